@@ -263,6 +263,11 @@ impl Belief {
         (model.ground.cells() * self.planes.len()).saturating_sub(awake.sum())
     }
 
+    /// Bytes of all tiles.
+    pub(super) fn bytes(&self) -> usize {
+        self.tiles().count() * size_of::<Cells>()
+    }
+
     /// Bytes of tiles that an earlier belief does not share.
     pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
         let pairs = self.planes.iter().zip(&earlier.planes);

@@ -3,9 +3,11 @@
 use super::belief::Belief;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel};
+use super::parameters::Spread;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
+use super::watcher::{ASSURED, Misfit, Update, Watcher};
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -36,40 +38,63 @@ pub(super) struct Heard {
 pub(super) struct Beliefs {
     /// Asleep while the coarse one leads.
     fine: Belief,
-    /// None if none watches.
-    coarse: Option<Belief>,
+    /// Awake while it leads; none if none watches.
+    watcher: Option<Watcher>,
     is_led_by_coarse: bool,
     /// The mode of the one that leads.
     pub mode: Maximum,
-    /// What the coarse one gives the mode of the fine one; 1 if the coarse one leads, or none watches.
+    /// What the coarse one gives the mode of the fine one: as much as it ever does if it sleeps, 1 if it leads or none
+    /// watches.
     pub agreed: f64,
 }
 
 impl Beliefs {
-    /// Fine and coarse belief made alike.
-    pub(super) fn new(model: &LocalizationModel, make: impl Fn(&LocalizationModel) -> Belief) -> Self {
-        Self::of(model, make(model), model.watch.as_ref().map(|coarse| make(coarse)))
+    /// Every state alike.
+    pub(super) fn uniform(model: &LocalizationModel) -> Self {
+        Self::of(
+            model,
+            Belief::uniform(model),
+            model.watch.as_ref().map(|coarse| Watcher::awake(Belief::uniform(coarse))),
+        )
     }
 
-    fn of(model: &LocalizationModel, fine: Belief, coarse: Option<Belief>) -> Self {
+    /// Around a known pose. The coarse belief sleeps if it is known well.
+    pub(super) fn around(model: &LocalizationModel, pose_in_map: Pose, spread: Spread) -> Self {
+        let fine = Belief::around(model, pose_in_map, spread);
+        let is_known = fine.mode(model).mass >= ASSURED;
+        let watcher = model.watch.as_ref().map(|coarse| match is_known {
+            true => Watcher::asleep(),
+            false => Watcher::awake(Belief::around(coarse, pose_in_map, spread)),
+        });
+        Self::of(model, fine, watcher)
+    }
+
+    fn of(model: &LocalizationModel, fine: Belief, watcher: Option<Watcher>) -> Self {
         let mode = fine.mode(model);
-        let mut beliefs = Self { fine, coarse, is_led_by_coarse: false, mode, agreed: 1.0 };
+        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0 };
         beliefs.settle(model);
         beliefs
     }
 
     /// Half of these and half of others, to half a cell.
     pub(super) fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
-        let coarse = match (&self.coarse, &other.coarse, &model.watch) {
-            (Some(one), Some(other), Some(coarse)) => Some(one.merged(coarse, other)),
-            _ => None,
-        };
-        Self::of(model, self.fine.merged(model, &other.fine), coarse)
+        let watcher = model.watch.as_ref().and_then(|coarse| {
+            let belief = self.woken(coarse)?.merged(coarse, &other.woken(coarse)?);
+            Some(Watcher::awake(belief))
+        });
+        Self::of(model, self.fine.merged(model, &other.fine), watcher)
+    }
+
+    /// The coarse belief, told of all that it has missed.
+    fn woken(&self, coarse: &LocalizationModel) -> Option<Belief> {
+        let mut watcher = self.watcher.clone()?;
+        watcher.wake(coarse, self.mode.pose_in_map);
+        watcher.belief().cloned()
     }
 
     /// The belief that leads, and the model of its grid.
     pub(super) fn leading<'a>(&'a self, model: &'a LocalizationModel) -> (&'a Belief, &'a LocalizationModel) {
-        match (&self.coarse, &model.watch) {
+        match (self.watcher.as_ref().and_then(Watcher::belief), &model.watch) {
             (Some(coarse), Some(coarse_model)) if self.is_led_by_coarse => (coarse, coarse_model),
             _ => (&self.fine, model),
         }
@@ -77,11 +102,11 @@ impl Beliefs {
 
     /// Bytes of tiles that earlier ones do not share.
     pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
-        let coarse = match (&self.coarse, &earlier.coarse) {
-            (Some(coarse), Some(earlier)) => coarse.bytes_apart(earlier),
+        let watcher = match (&self.watcher, &earlier.watcher) {
+            (Some(watcher), Some(earlier)) => watcher.bytes_apart(earlier),
             (Some(_) | None, _) => 0,
         };
-        self.fine.bytes_apart(&earlier.fine) + coarse
+        self.fine.bytes_apart(&earlier.fine) + watcher
     }
 
     /// Probability of each cell of (x, y) of the fine grid, `[row][column]`.
@@ -113,7 +138,8 @@ impl Beliefs {
         if !self.is_led_by_coarse {
             self.fine.advance(model, motion);
         }
-        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
+        if let (Some(coarse), Some(coarse_model)) = (self.watcher.as_mut().and_then(Watcher::belief_mut), &model.watch)
+        {
             coarse.advance(coarse_model, motion);
         }
     }
@@ -127,22 +153,26 @@ impl Beliefs {
         let (watched, gated): (Vec<BinnedScan>, Vec<BinnedScan>) = (heard.into_iter())
             .map(|Heard { whole, gated, is_crowd }| (if is_crowd { whole } else { gated.clone() }, gated))
             .unzip();
+        let from_in_map = self.mode.pose_in_map;
         if !self.is_led_by_coarse {
             self.fine.sense_after_motion(model, motion, &gated);
+            self.mode = self.fine.mode(model);
         }
-        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
-            if self.is_led_by_coarse || self.fine.is_adrift(model) {
-                // What the fine belief would count a scan for.
-                let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
-                let power = |sensor| tempering(model, sensor) / tempering(coarse_model, sensor);
-                let weighing = |sensor| Weighing { power: power(sensor), is_crowd: is_crowd[sensor] };
-                coarse.sense_weighed(coarse_model, &watched, weighing);
-            } else {
-                let weighing = |sensor| Weighing { is_crowd: is_crowd[sensor], ..Weighing::USUAL };
-                coarse.sense_weighed(coarse_model, &in_turn(&watched, updates), weighing);
-            }
+        if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
+            let hears_all = self.is_led_by_coarse || self.fine.is_adrift(model);
+            let scans = if hears_all { watched } else { in_turn(&watched, updates) };
+            // What the fine belief would count a scan for.
+            let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
+            let power =
+                |sensor| if hears_all { tempering(model, sensor) / tempering(coarse_model, sensor) } else { 1.0 };
+            let weighing = |(sensor, is_crowd)| Weighing { power: power(sensor), is_crowd };
+            let weighings = is_crowd.into_iter().enumerate().map(weighing).collect();
+            let mode_in_map = self.mode.pose_in_map;
+            let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &gated) };
+            let update = Update { from_in_map, motion, scans, weighings, sightings: Vec::new() };
+            watcher.hear(coarse_model, update, misfit);
         }
-        self.settle(model);
+        self.decide(model);
     }
 
     /// Takes in a landmark that was seen at the last update; [`Beliefs::settle`] must follow.
@@ -150,28 +180,44 @@ impl Beliefs {
         if !self.is_led_by_coarse {
             self.fine.see(model, sighting);
         }
-        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
-            coarse.see(coarse_model, sighting);
+        if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
+            watcher.see(coarse_model, sighting, self.mode.pose_in_map);
         }
     }
 
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
-        if let (Some(coarse), Some(coarse_model)) = (&mut self.coarse, &model.watch) {
-            coarse.mix(coarse_model, share);
+        if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
+            watcher.wake(coarse_model, self.mode.pose_in_map);
+            watcher.disagree();
+            watcher.belief_mut().into_iter().for_each(|coarse| coarse.mix(coarse_model, share));
         }
         self.fine.mix(model, share);
         self.settle(model);
     }
 
-    /// Finds the mode, and who leads: the fine belief, unless much of it sleeps or the coarse one disagrees. As soon
-    /// as little enough may be true, the fine belief is made of the coarse one.
+    /// Finds the mode, and who leads.
     pub(super) fn settle(&mut self, model: &LocalizationModel) {
         if !self.is_led_by_coarse {
             self.mode = self.fine.mode(model);
         }
-        let (Some(coarse), Some(coarse_model), Some(watch)) = (&self.coarse, &model.watch, &model.parameters.watch)
+        self.decide(model);
+    }
+
+    /// Finds who leads: the fine belief, unless much of it sleeps or the coarse one disagrees. As soon as little enough
+    /// may be true, the fine belief is made of the coarse one.
+    fn decide(&mut self, model: &LocalizationModel) {
+        let (Some(watcher), Some(coarse_model), Some(watch)) =
+            (&mut self.watcher, &model.watch, &model.parameters.watch)
         else {
+            return;
+        };
+        let is_assured = self.mode.mass >= ASSURED;
+        if !is_assured || self.fine.is_adrift(model) {
+            watcher.wake(coarse_model, self.mode.pose_in_map);
+        }
+        let Some(coarse) = watcher.belief() else {
+            self.agreed = 1.0 - watch.mixing;
             return;
         };
         let agreement =
@@ -181,6 +227,7 @@ impl Beliefs {
             let agrees = self.agreed >= watch.agreement * self.mode.mass;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
+                watcher.agree(is_assured && self.agreed >= ASSURED);
                 return;
             }
         }
@@ -193,6 +240,7 @@ impl Beliefs {
             self.mode = self.fine.mode(model);
             self.agreed = agreement(&self.mode);
         }
+        watcher.disagree();
     }
 }
 

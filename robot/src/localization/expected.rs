@@ -6,8 +6,7 @@ use super::ground::Ground;
 use super::scan_parameters::BeamParameters;
 use super::sensor::{self, NO_ECHO};
 use crate::geometry::Point;
-use crate::occupancy::SweepMap;
-use rayon::prelude::*;
+use crate::occupancy::{DistanceField, SweepMap};
 use std::sync::{Arc, OnceLock};
 
 /// Expected bins of one tile, by direction.
@@ -73,14 +72,18 @@ impl ExpectedBins {
         cells
     }
 
-    /// Computes the tiles of these cells, on all threads.
-    pub(super) fn compute(&self, cells: &[Place]) {
-        let mut tiles: Vec<usize> = cells.iter().map(|place| place.tile).collect();
-        tiles.sort_unstable();
-        tiles.dedup();
-        tiles.into_par_iter().for_each(|tile| {
-            self.tile(tile as u32);
-        });
+    /// What is expected in one direction from a cell, without the table: by rays that are cast one by one.
+    pub(super) fn cast(&self, distances: &DistanceField, place: Place, direction: usize) -> u8 {
+        let centre = self.grid.centre_of(place);
+        let in_cone = self.directions - self.half_cone..=self.directions + self.half_cone;
+        let rays =
+            in_cone.map(|step| (direction + step) % self.directions).filter(|ray| ray.is_multiple_of(self.stride()));
+        let bin = |ray: usize| {
+            let way_m =
+                distances.cast_m(centre, direction_of(ray, self.directions), self.max_range_m + self.mount_radius_m);
+            sensor::bin(way_m - self.mount_radius_m, self.max_range_m)
+        };
+        rays.map(bin).min().unwrap_or(NO_ECHO)
     }
 
     /// Expected bins of one tile; computed if nobody asked before, which takes a millisecond.
@@ -198,22 +201,10 @@ mod tests {
         let map = World::builtin("dept").expect("it is built in").map_centred(0.05);
         let model = LocalizationModel::new(&map, LocalizationParameters::default()).expect("it is a map");
         let table = model.sensors[0].expected();
-        let beam = &model.parameters.sensors[0].beam;
         let (mut apart, mut farther) = ([0usize; 256], 0);
         for place in table.admissible_cells().step_by(53) {
-            let centre = model.grid.centre_of(place);
-            let cast: Vec<u8> = (0..table.directions)
-                .map(|direction| {
-                    let ray = direction_of(direction, table.directions);
-                    let way_m = model.distances.cast_m(centre, ray, beam.max_range_m + beam.mount_radius_m);
-                    sensor::bin(way_m - beam.mount_radius_m, beam.max_range_m)
-                })
-                .collect();
             for direction in 0..table.directions {
-                let in_cone = (table.directions - table.half_cone..=table.directions + table.half_cone)
-                    .map(|step| (direction + step) % table.directions)
-                    .filter(|ray| ray % table.stride() == 0);
-                let nearest = in_cone.map(|ray| cast[ray]).min().expect("a cone has rays");
+                let nearest = table.cast(&model.distances, place, direction);
                 let swept = table.tile(place.tile as u32)[direction][place.cell];
                 apart[usize::from(swept.abs_diff(nearest))] += 1;
                 if swept.abs_diff(nearest) <= 3 {

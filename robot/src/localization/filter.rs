@@ -77,20 +77,15 @@ pub struct Localization {
 impl Localization {
     /// At a known pose.
     pub fn start_at(model: &LocalizationModel, pose_in_map: Pose, spread: Spread) -> Self {
-        Self::of(model, |model| Belief::around(model, pose_in_map, spread))
+        Self::of(model, Beliefs::around(model, pose_in_map, spread))
     }
 
     /// Anywhere.
     pub fn start_uniform(model: &LocalizationModel) -> Self {
-        Self::of(model, Belief::uniform)
+        Self::of(model, Beliefs::uniform(model))
     }
 
-    /// With fine and coarse belief made alike.
-    fn of(model: &LocalizationModel, make: impl Fn(&LocalizationModel) -> Belief) -> Self {
-        Self::from_beliefs(model, Beliefs::new(model, make))
-    }
-
-    fn from_beliefs(model: &LocalizationModel, beliefs: Beliefs) -> Self {
+    fn of(model: &LocalizationModel, beliefs: Beliefs) -> Self {
         Self {
             beliefs,
             updated_at_in_odom: None,
@@ -124,7 +119,7 @@ impl Localization {
 
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
-        Self::from_beliefs(model, self.beliefs.merged(model, &other.beliefs))
+        Self::of(model, self.beliefs.merged(model, &other.beliefs))
     }
 
     /// Takes in odometry and what each sensor of the model has read, a reading for each of its beams; none

@@ -6,6 +6,7 @@ use super::kernel;
 use super::model::LocalizationModel;
 use super::tile::Tile;
 use crate::geometry::{Point, Pose, Transform, Vector};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// How far what a camera tells of a landmark is off, as standard deviations.
@@ -43,7 +44,7 @@ const BETWEEN_M: f64 = 0.2;
 const DEVIATIONS: f64 = 4.0;
 
 /// A sheet that was seen, and the landmarks that it may be.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LandmarkSighting {
     /// Where it was seen from the robot.
     pub at_in_base: Point,

@@ -8,7 +8,7 @@
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
-//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `beliefs` (fine and coarse), `gating` (which
+//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher` and `beliefs` (fine and coarse), `gating` (which
 //! readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
@@ -39,6 +39,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod watcher;
 mod weigh;
 
 pub use belief::Belief;

@@ -8,6 +8,7 @@ use super::parameters::LocalizationParameters;
 use super::scan::{ScanModel, SeenMap, Weighing};
 use super::sensor::BinnedScan;
 use super::simd::Instructions;
+use super::watcher::Misfit;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use std::sync::Arc;
@@ -183,6 +184,21 @@ impl LocalizationModel {
             tables.parameters.tempering * nats.sum::<f64>()
         };
         Some(self.binned(scans_m).into_iter().enumerate().map(of_sensor).sum())
+    }
+
+    /// How badly scans fit a pose; none where nobody can stand.
+    pub(super) fn misfit(&self, pose_in_map: Pose, scans: &[BinnedScan]) -> Option<Misfit> {
+        let state = self.state_at(pose_in_map).filter(|state| self.is_admissible(state.column, state.row))?;
+        let mut misfit = Misfit::default();
+        for (sensor, scan) in scans.iter().enumerate() {
+            let ScanModel { likelihood, parameters, .. } = &self.sensors[sensor];
+            for (&measured, expected) in scan.iter().zip(self.expected_scan(sensor, state)) {
+                let Some(measured) = measured else { continue };
+                misfit.nats += parameters.tempering * likelihood.nats(measured, expected);
+                misfit.mean_nats += parameters.tempering * likelihood.mean_nats(expected);
+            }
+        }
+        Some(misfit)
     }
 
     /// The state around a pose, if it is on the grid.

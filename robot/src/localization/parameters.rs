@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// does not count the same evidence again; a little of the uniform distribution is *mixed* in, so
 /// that no hypothesis is beyond recall; and readings clearly shorter than expected are *gated*,
 /// because they are usually people and furniture outside the map; θ is lower; a coarse
-/// belief in which nothing sleeps watches over the fine one; and the certainty is calibrated.
+/// belief of the whole map watches over the fine one; and the certainty is calibrated.
 /// [`LocalizationParameters::literal`] takes them back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -303,7 +303,7 @@ impl Default for OdometryError {
     }
 }
 
-/// A second belief over the whole map on a coarse grid, in which nothing sleeps.
+/// A second belief over the whole map on a coarse grid, of which no part sleeps; as a whole it may, while the scans fit.
 ///
 /// # Deviation
 /// Selective computation treats whatever it does not look at as average. A wrong pose that explains

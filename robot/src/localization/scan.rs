@@ -8,10 +8,12 @@ use super::scan_parameters::ScanParameters;
 use super::sensor::{BINS, SensorModel, components};
 use super::simd::Instructions;
 use crate::occupancy::{DistanceField, OccupancyGrid, SweepMap};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
 /// States the average of a scan is taken over, a whole number of tiles.
-const SAMPLES: usize = 2 * TILE;
+const SAMPLES: usize = TILE;
 
 /// What a sensor sees of the map, as tables and fixes need it.
 #[derive(Clone, Debug)]
@@ -27,7 +29,7 @@ impl SeenMap {
 }
 
 /// How a scan is weighed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Weighing {
     /// Exponent of its likelihood, beyond its tempering.
     pub power: f64,
@@ -112,28 +114,30 @@ impl ScanModel {
         beyond[usize::from(expected)][usize::from(measured)]
     }
 
-    /// Expected scans of states spread evenly over cells and headings.
+    /// Expected scans of states spread evenly over cells and headings: their rays are cast, so that no table of a place is
+    /// computed where the belief does not look.
     fn samples(&self) -> &[[u8; TILE]] {
         if let Some(samples) = self.samples.get() {
             return samples;
         }
-        let cells = self.expected.spread_cells(SAMPLES);
-        // Before the lock is taken: who holds it must not wait for work of other threads, which may ask for it as well.
-        self.expected.compute(&cells);
-        self.samples.get_or_init(|| self.samples_at(&cells))
-    }
-
-    fn samples_at(&self, cells: &[Place]) -> Vec<[u8; TILE]> {
         let (beams, headings) = (self.bearings.beams(), self.bearings.headings());
-        let mut samples = vec![[0; TILE]; SAMPLES / TILE * beams];
-        for (sample, &cell) in cells.iter().enumerate() {
+        let cells = self.expected.spread_cells(SAMPLES);
+        let scan = |(sample, &cell): (usize, &Place)| -> Vec<u8> {
             // The golden section spreads consecutive samples over the circle.
             let heading = (sample as f64 * 0.618_033_988_749_895 % 1.0 * headings as f64) as usize;
-            for beam in 0..beams {
-                samples[sample / TILE * beams + beam][sample % TILE] = self.expected_bin(heading, cell, beam);
+            let directions = (0..beams).map(|beam| self.bearings.direction(heading, beam));
+            directions.map(|direction| self.expected.cast(&self.distances, cell, direction)).collect()
+        };
+        // Before the lock is taken: who holds it must not wait for work of other threads, which may ask for it as well.
+        let scans: Vec<Vec<u8>> = cells.par_iter().enumerate().map(scan).collect();
+        self.samples.get_or_init(|| {
+            let mut samples = vec![[0; TILE]; SAMPLES / TILE * beams];
+            for (sample, scan) in scans.iter().enumerate() {
+                let tile = &mut samples[sample / TILE * beams..][..beams];
+                tile.iter_mut().zip(scan).for_each(|(of_beam, &bin)| of_beam[sample % TILE] = bin);
             }
-        }
-        samples
+            samples
+        })
     }
 
     /// P̃(s): the average weight of a scan over all states, to a few percent; `sampled` is this sensor or the same

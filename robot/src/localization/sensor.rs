@@ -22,6 +22,8 @@ pub struct SensorModel {
     max_range_m: f64,
     /// `[measured][expected]`: −ln P(measured | expected), less its smallest value over expected.
     costs: Vec<[u8; BINS]>,
+    /// `[expected]`: the mean over what is measured of −ln P, less its smallest value over expected, in nats.
+    mean_nats: Vec<f64>,
     /// Binary logarithm of the weight a unit of cost amounts to, tempered.
     log2_per_cost: f32,
 }
@@ -30,7 +32,7 @@ impl SensorModel {
     /// Tables for a mixture; `tempering` is the exponent of a scan's likelihood.
     pub fn new(parameters: &BeamParameters, tempering: f64) -> Self {
         let likelihood: Vec<Vec<f64>> = (0..BINS).map(|expected| mixture(parameters, expected)).collect();
-        let costs = (0..BINS)
+        let costs: Vec<[u8; BINS]> = (0..BINS)
             .map(|measured| {
                 let nats: Vec<f64> = likelihood.iter().map(|given| -libm::log(given[measured])).collect();
                 let best = nats.iter().copied().fold(f64::INFINITY, f64::min);
@@ -39,8 +41,14 @@ impl SensorModel {
                 })
             })
             .collect();
+        let mean_nats = (likelihood.iter().enumerate())
+            .map(|(expected, given)| {
+                let nats = given.iter().zip(&costs).map(|(share, costs)| share * f64::from(costs[expected]));
+                nats.sum::<f64>() / UNITS_PER_NAT
+            })
+            .collect();
         let log2_per_cost = (-tempering / UNITS_PER_NAT * std::f64::consts::LOG2_E) as f32;
-        Self { max_range_m: parameters.max_range_m, costs, log2_per_cost }
+        Self { max_range_m: parameters.max_range_m, costs, mean_nats, log2_per_cost }
     }
 
     /// The bin of a distance.
@@ -67,6 +75,11 @@ impl SensorModel {
     /// −ln P(measured | expected) of one reading in full, less its smallest value over all that may be expected.
     pub(super) fn nats(&self, measured: u8, expected: u8) -> f64 {
         f64::from(self.costs(measured)[usize::from(expected)]) / UNITS_PER_NAT
+    }
+
+    /// The mean of [`SensorModel::nats`] over all readings of an expected distance, by the mixture.
+    pub(super) fn mean_nats(&self, expected: u8) -> f64 {
+        self.mean_nats[usize::from(expected)]
     }
 
     /// Binary logarithm of the weight a unit of cost amounts to, if weights are raised to a power.

@@ -3,6 +3,7 @@
 mod gating;
 mod odometry_faults;
 mod sleeping;
+mod watcher;
 
 use super::grid::{Place, TILE, TILE_EDGE};
 use super::sensor::mixture;

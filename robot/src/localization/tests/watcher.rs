@@ -1,0 +1,90 @@
+//! When the coarse belief sleeps, and what it knows when it wakes.
+
+use super::super::scan::Weighing;
+use super::super::watcher::{Misfit, Update, Watcher};
+use super::*;
+
+/// Of scans that fit as usual, and of those at a wrong pose.
+const USUAL: Misfit = Misfit { nats: 1.8, mean_nats: 4.0 };
+const WRONG: Misfit = Misfit { nats: 5.0, mean_nats: 4.0 };
+
+fn update(model: &LocalizationModel, from_in_map: Pose, motion: Pose, scan_m: &[f32]) -> Update {
+    let scans = model.binned(&[Some(scan_m)]);
+    Update { from_in_map, motion, scans, weighings: vec![Weighing::USUAL], sightings: Vec::new() }
+}
+
+fn at_rest(model: &LocalizationModel) -> Update {
+    let pose_in_map = Pose::new(2.0, 2.0, 0.4);
+    update(model, pose_in_map, Pose::default(), &scan_at(model, pose_in_map))
+}
+
+#[test]
+fn a_coarse_belief_that_wakes_has_heard_what_one_that_never_slept_has() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let start = Pose::new(2.0, 2.0, 0.0);
+    let mut awake = Watcher::awake(Belief::around(coarse, start, Spread::default()));
+    let mut asleep = Watcher::asleep();
+    let share = |watcher: &Watcher, pose_in_map: Pose| {
+        let belief = watcher.belief().expect("it is awake");
+        belief.mass_within(coarse, pose_in_map, 1.2, 40f64.to_radians())
+    };
+    let (mut before, mut mode_in_map) = (Pose::default(), start);
+    let carried = Pose::new(0.0, 0.0, PI);
+    let mut drive = drive(&model, 10_001, 70).into_iter();
+    // First with scans of where the robot is taken to be, then of where it looks the other way.
+    for (steps, carried) in [(60, Pose::default()), (10, carried)] {
+        for (odometry, _) in drive.by_ref().take(steps) {
+            let (from_in_map, motion) = (mode_in_map, odometry.relative_to(before));
+            (before, mode_in_map) = (odometry, mode_in_map.compose(motion));
+            let scan_m = scan_at(&model, mode_in_map.compose(carried));
+            if let Some(belief) = awake.belief_mut() {
+                belief.advance(coarse, motion);
+            }
+            for watcher in [&mut awake, &mut asleep] {
+                watcher.hear(coarse, update(coarse, from_in_map, motion, &scan_m), Some(USUAL));
+            }
+        }
+        let mut woken = asleep.clone();
+        woken.wake(coarse, mode_in_map);
+        let truth_in_map = mode_in_map.compose(carried);
+        let shares = [share(&awake, truth_in_map), share(&woken, truth_in_map)];
+        assert!(shares.iter().all(|&share| share > 0.95), "{shares:?} after {steps}");
+    }
+}
+
+#[test]
+fn scans_that_fit_badly_wake_it_and_agreement_lets_it_sleep_again() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let mut watcher = Watcher::asleep();
+    (0..200).for_each(|_| watcher.hear(coarse, at_rest(coarse), Some(USUAL)));
+    assert!(watcher.belief().is_none(), "scans that fit as usual wake nobody");
+    (0..3).for_each(|_| watcher.hear(coarse, at_rest(coarse), Some(WRONG)));
+    assert!(watcher.belief().is_some(), "three scans that fit badly are enough");
+    let mut updates = 0;
+    while watcher.belief().is_some() {
+        watcher.hear(coarse, at_rest(coarse), Some(USUAL));
+        watcher.agree(true);
+        updates += 1;
+    }
+    assert!((40..50).contains(&updates), "it slept after {updates}");
+    watcher.hear(
+        coarse,
+        Update { weighings: vec![Weighing { is_crowd: true, ..Weighing::USUAL }], ..at_rest(coarse) },
+        Some(USUAL),
+    );
+    assert!(watcher.belief().is_some(), "people wake it at once");
+}
+
+#[test]
+fn a_coarse_belief_that_wakes_has_its_cells_where_mirror_poses_fall_on_mirror_cells() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let mut watcher = Watcher::asleep();
+    watcher.wake(coarse, Pose::new(2.11, 1.93, 0.37));
+    let belief = watcher.belief().expect("it is awake");
+    assert_eq!(belief.heading_offset, 0.0);
+    assert!(belief.planes().iter().all(|plane| plane.offset_cells.iter().all(|cells| cells.abs() < 1e-9)));
+    assert!(belief.mass_within(coarse, Pose::new(2.11, 1.93, 0.37), 1.2, 40f64.to_radians()) > 0.99);
+}

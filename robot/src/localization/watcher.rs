@@ -1,0 +1,208 @@
+//! The coarse belief that watches over the fine one. It looks at the whole map, so it sleeps while there is nothing to
+//! be seen.
+
+use super::belief::Belief;
+use super::landmark::LandmarkSighting;
+use super::model::LocalizationModel;
+use super::parameters::Spread;
+use super::scan::Weighing;
+use super::sensor::BinnedScan;
+use crate::geometry::Pose;
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// So many updates in a row both beliefs must have been sure before the coarse one sleeps, and so many it is told of when
+/// it wakes: as many as a robot needs to find its place.
+const KEPT_UPDATES: usize = 40;
+
+/// A belief is sure of the mode that has as much of it as this.
+pub(super) const ASSURED: f64 = 0.99;
+
+/// Scans that fit the mode worse than usual by this, in nats, tempered, wake the coarse belief; far less than what it
+/// needs itself to give up a pose.
+const MOST_DOUBT_NATS: f64 = 3.0;
+
+/// Misfit beyond this share of what the sensor model has on the average counts as doubt. At the right pose it is 0.45, scan
+/// by scan with a deviation of 0.17: the model is wider than the readings, to cover cells, headings, and what is not in the
+/// map. At a mirror pose it may be 0.75.
+const MOST_USUAL: f64 = 0.65;
+
+/// How badly scans fit a pose.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Misfit {
+    /// −ln of their likelihood, tempered, less the least it can be anywhere.
+    pub nats: f64,
+    /// What that is on the average, by the sensor model.
+    pub mean_nats: f64,
+}
+
+/// What one update had for the coarse belief.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Update {
+    /// The estimate before it.
+    pub from_in_map: Pose,
+    /// As odometry told it.
+    pub motion: Pose,
+    /// The beams of each sensor that are to be heard.
+    pub scans: Vec<BinnedScan>,
+    /// How each of them is weighed.
+    pub weighings: Vec<Weighing>,
+    /// Landmarks seen after it.
+    pub sightings: Vec<LandmarkSighting>,
+}
+
+impl Update {
+    /// Without motion and scans.
+    fn at_rest(at_in_map: Pose) -> Self {
+        let (motion, sightings) = (Pose::default(), Vec::new());
+        Self { from_in_map: at_in_map, motion, scans: Vec::new(), weighings: Vec::new(), sightings }
+    }
+
+    /// Eq. (2) for its scans, after its motion.
+    fn sense(&self, coarse: &LocalizationModel, belief: &mut Belief) {
+        belief.sense_weighed(coarse, &self.scans, |sensor| self.weighings[sensor]);
+    }
+
+    /// All of it.
+    fn replay(&self, coarse: &LocalizationModel, belief: &mut Belief) {
+        belief.advance(coarse, self.motion);
+        self.sense(coarse, belief);
+        self.sightings.iter().for_each(|sighting| belief.see(coarse, sighting));
+    }
+}
+
+/// A coarse belief that is updated in full or, while the scans fit where the fine one has the robot, not at all.
+///
+/// # Deviation
+/// It does not hear every scan. While both agree, and the scans explain the mode as well as usual, it would only confirm
+/// it, at a cost that grows with the area of the map. What it misses is kept for forty updates, and when it wakes it
+/// hears them all: the scans that tell of a robot carried elsewhere are among them, because it is those that wake it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Watcher {
+    attention: Attention,
+    /// How much worse than usual scans have fitted the mode of late: a cumulative sum (Page, "Continuous Inspection
+    /// Schemes", 1954).
+    doubt_nats: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Attention {
+    /// So many updates in a row both beliefs have agreed.
+    Awake { belief: Belief, agreed_updates: usize },
+    /// What it has not heard of, the oldest first.
+    Asleep { missed: VecDeque<Update> },
+}
+
+impl Watcher {
+    /// That looks at everything.
+    pub(super) fn awake(belief: Belief) -> Self {
+        Self { attention: Attention::Awake { belief, agreed_updates: 0 }, doubt_nats: 0.0 }
+    }
+
+    /// Over a robot that knows where it is.
+    pub(super) fn asleep() -> Self {
+        Self { attention: Attention::Asleep { missed: VecDeque::new() }, doubt_nats: 0.0 }
+    }
+
+    /// The belief, unless it sleeps.
+    pub(super) fn belief(&self) -> Option<&Belief> {
+        match &self.attention {
+            Attention::Awake { belief, .. } => Some(belief),
+            Attention::Asleep { .. } => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(super) fn belief_mut(&mut self) -> Option<&mut Belief> {
+        match &mut self.attention {
+            Attention::Awake { belief, .. } => Some(belief),
+            Attention::Asleep { .. } => None,
+        }
+    }
+
+    /// Bytes of tiles that an earlier one does not share.
+    pub(super) fn bytes_apart(&self, earlier: &Self) -> usize {
+        match (self.belief(), earlier.belief()) {
+            (Some(belief), Some(earlier)) => belief.bytes_apart(earlier),
+            (Some(belief), None) => belief.bytes(),
+            (None, _) => 0,
+        }
+    }
+
+    /// Takes in the scans of an update that the fine belief has taken in; an awake belief has been moved by its motion.
+    /// `misfit` is that of the scans and the mode, none if nobody can stand there.
+    pub(super) fn hear(&mut self, coarse: &LocalizationModel, update: Update, misfit: Option<Misfit>) {
+        let beyond_usual = |misfit: Misfit| misfit.nats - MOST_USUAL * misfit.mean_nats;
+        self.doubt_nats += misfit.map_or(MOST_DOUBT_NATS, beyond_usual);
+        self.doubt_nats = self.doubt_nats.clamp(0.0, 2.0 * MOST_DOUBT_NATS);
+        let is_crowd = update.weighings.iter().any(|weighing| weighing.is_crowd);
+        match &mut self.attention {
+            Attention::Awake { belief, .. } => update.sense(coarse, belief),
+            Attention::Asleep { missed } => {
+                if missed.len() == KEPT_UPDATES {
+                    missed.pop_front();
+                }
+                let pose_in_map = update.from_in_map;
+                missed.push_back(update);
+                if is_crowd || self.doubt_nats >= MOST_DOUBT_NATS {
+                    self.wake(coarse, pose_in_map);
+                }
+            }
+        }
+    }
+
+    /// Takes in a landmark that was seen after the last update, where the mode is at a pose.
+    pub(super) fn see(&mut self, coarse: &LocalizationModel, sighting: &LandmarkSighting, mode_in_map: Pose) {
+        match &mut self.attention {
+            Attention::Awake { belief, .. } => belief.see(coarse, sighting),
+            Attention::Asleep { missed } => {
+                if missed.is_empty() {
+                    missed.push_back(Update::at_rest(mode_in_map));
+                }
+                if let Some(last) = missed.back_mut() {
+                    last.sightings.push(sighting.clone());
+                }
+            }
+        }
+    }
+
+    /// Makes the belief anew of what it has missed, from where the mode was before; of the mode alone if it has missed
+    /// nothing.
+    pub(super) fn wake(&mut self, coarse: &LocalizationModel, mode_in_map: Pose) {
+        let Attention::Asleep { missed } = &self.attention else { return };
+        let from_in_map = missed.front().map_or(mode_in_map, |first| first.from_in_map);
+        let spread = Spread { position_m: coarse.grid.cell_m, heading_rad: coarse.grid.angle_step_rad() };
+        let mut belief = Belief::around(coarse, on_grid(coarse, from_in_map), spread);
+        belief.mix(coarse, coarse.parameters.mixing);
+        missed.iter().for_each(|update| update.replay(coarse, &mut belief));
+        self.attention = Attention::Awake { belief, agreed_updates: 0 };
+    }
+
+    /// The fine belief was made of this one.
+    pub(super) fn disagree(&mut self) {
+        self.doubt_nats = 0.0;
+        if let Attention::Awake { agreed_updates, .. } = &mut self.attention {
+            *agreed_updates = 0;
+        }
+    }
+
+    /// Takes in whether the fine belief and this one are sure of the mode after an update; sleeps once they have been for
+    /// long, and the scans fit.
+    pub(super) fn agree(&mut self, are_sure: bool) {
+        let Attention::Awake { agreed_updates, .. } = &mut self.attention else { return };
+        let is_calm = are_sure && self.doubt_nats <= MOST_DOUBT_NATS / 2.0;
+        *agreed_updates = if is_calm { *agreed_updates + 1 } else { 0 };
+        if *agreed_updates >= KEPT_UPDATES {
+            *self = Self::asleep();
+        }
+    }
+}
+
+/// The pose in the middle of the state around a pose: so cells lie where they do when nothing is known, and mirror poses
+/// on mirror cells.
+fn on_grid(coarse: &LocalizationModel, pose_in_map: Pose) -> Pose {
+    coarse.state_at(pose_in_map).map_or(pose_in_map, |state| {
+        let centre = coarse.grid.centre(state.column, state.row);
+        Pose::new(centre.x, centre.y, coarse.grid.heading_rad(state.heading))
+    })
+}
