@@ -1,5 +1,6 @@
 //! Experiments: a plan over many seeds, in parallel, as a table.
 
+mod any_kind;
 mod barn;
 mod calibration;
 mod cases;

@@ -1,8 +1,9 @@
 //! How an experiment of any kind is done: its runs are driven here, or read from parts that others have written; their
 //! records become a table, or a part.
 
+use super::any_kind::{AnyKind, AnyRecord, AnyTally, Hidden};
 use super::findings::Findings;
-use super::kind::{ExperimentKind, Run, Tally};
+use super::kind::{ExperimentKind, Run};
 use super::part::identity::{Identity, Input};
 use super::part::merging::Parts;
 use super::part::shard::Shard;
@@ -40,14 +41,14 @@ pub struct Conduct {
 }
 
 /// What becomes of the records of an experiment.
-enum Sink<K: ExperimentKind> {
-    Table(Tabulation<K>),
+enum Sink {
+    Table(Tabulation),
     Part(PartWriter),
 }
 
 /// A table that grows, and every run as a line of `runs.csv`.
-struct Tabulation<K: ExperimentKind> {
-    tallies: Vec<K::Tally>,
+struct Tabulation {
+    tallies: Vec<AnyTally>,
     folder: Option<OutputFolder>,
     file: Option<BufWriter<File>>,
 }
@@ -56,13 +57,21 @@ struct Tabulation<K: ExperimentKind> {
 ///
 /// # Errors
 /// Something cannot be read, driven or written.
-pub fn conduct<K: ExperimentKind>(
-    kind: K,
+pub fn conduct(
+    kind: impl ExperimentKind,
     request: &ExperimentRequest,
     how: Conduct,
     console: &mut Console,
 ) -> Result<Findings> {
-    let kind = Arc::new(kind);
+    conduct_any(&(Arc::new(Hidden(kind)) as Arc<dyn AnyKind>), request, how, console)
+}
+
+fn conduct_any(
+    kind: &Arc<dyn AnyKind>,
+    request: &ExperimentRequest,
+    how: Conduct,
+    console: &mut Console,
+) -> Result<Findings> {
     let shards = match &how.source {
         RunSource::Seeds(shard) => Some(shard.of),
         RunSource::Parts(parts) => parts.identity.shards,
@@ -72,11 +81,11 @@ pub fn conduct<K: ExperimentKind>(
         None => Sink::Table(Tabulation { tallies: Vec::new(), folder: request.results_folder()?, file: None }),
     };
     let (lacking, inputs) = match how.source {
-        RunSource::Seeds(shard) => (drive(&kind, request, shard, &mut sink, console)?, None),
-        RunSource::Parts(mut parts) => (read(&kind, &mut parts, &mut sink, console)?, Some(parts.inputs())),
+        RunSource::Seeds(shard) => (drive(kind, request, shard, &mut sink, console)?, None),
+        RunSource::Parts(mut parts) => (read(&**kind, &mut parts, &mut sink, console)?, Some(parts.inputs())),
     };
     let findings = match sink {
-        Sink::Table(tabulation) => tabulation.findings(&*kind)?,
+        Sink::Table(tabulation) => tabulation.findings(&**kind)?,
         Sink::Part(part) => {
             let inputs = inputs.map_or_else(Input::read_so_far, Ok)?;
             let count = part.end(inputs)?;
@@ -89,25 +98,28 @@ pub fn conduct<K: ExperimentKind>(
     Ok(Findings { status: lacking.unwrap_or(findings.status), ..findings })
 }
 
-impl<K: ExperimentKind> Sink<K> {
-    fn next_series(&mut self) -> Result<()> {
+impl Sink {
+    fn next_series(&mut self, kind: &dyn AnyKind) -> Result<()> {
         match self {
-            Self::Table(table) => table.tallies.push(K::Tally::default()),
+            Self::Table(table) => table.tallies.push(kind.tally()),
             Self::Part(part) => part.next_series()?,
         }
         Ok(())
     }
 
-    fn take(&mut self, kind: &K, series: &str, run: Run, record: K::Record) -> Result<()> {
+    fn take(&mut self, kind: &dyn AnyKind, series: &str, run: Run, record: AnyRecord) -> Result<()> {
         match self {
             Self::Table(table) => table.take(kind, series, run, record),
-            Self::Part(part) => part.add(run, &record),
+            Self::Part(part) => {
+                let line = kind.line(run, &record).context("a record cannot be written down")?;
+                part.add(run, line)
+            }
         }
     }
 }
 
-impl<K: ExperimentKind> Tabulation<K> {
-    fn take(&mut self, kind: &K, series: &str, run: Run, record: K::Record) -> Result<()> {
+impl Tabulation {
+    fn take(&mut self, kind: &dyn AnyKind, series: &str, run: Run, record: AnyRecord) -> Result<()> {
         let lines = if self.folder.is_some() { kind.lines(series, run, &record) } else { String::new() };
         if let Some(folder) = self.folder.as_ref().filter(|_| !lines.is_empty()) {
             let file = match &mut self.file {
@@ -121,12 +133,12 @@ impl<K: ExperimentKind> Tabulation<K> {
             file.write_all(lines.as_bytes()).context(CANNOT)?;
         }
         if let Some(tally) = self.tallies.last_mut() {
-            tally.add(record);
+            kind.add(tally, record);
         }
         Ok(())
     }
 
-    fn findings(self, kind: &K) -> Result<Findings> {
+    fn findings(self, kind: &dyn AnyKind) -> Result<Findings> {
         let Self { tallies, folder, file } = self;
         let findings = kind.findings(tallies, folder.is_some())?;
         if let Some(mut folder) = folder {
@@ -145,11 +157,11 @@ const RUNS: &str = "runs.csv";
 const CANNOT: &str = "cannot write `runs.csv`";
 
 /// Drives the runs of a shard, series by series. Answers the status of one that was interrupted.
-fn drive<K: ExperimentKind>(
-    kind: &Arc<K>,
+fn drive(
+    kind: &Arc<dyn AnyKind>,
     request: &ExperimentRequest,
     shard: Shard,
-    sink: &mut Sink<K>,
+    sink: &mut Sink,
     console: &mut Console,
 ) -> Result<Option<Status>> {
     let seeds = Seeds { numbers: shard.runs(request.runs), first_seed: request.first_seed };
@@ -161,19 +173,19 @@ fn drive<K: ExperimentKind>(
     let mut ends = None;
     for (series, name) in names.iter().enumerate() {
         if !is_whole {
-            sink.next_series()?;
+            sink.next_series(&**kind)?;
             continue;
         }
         let ground = kind.ground(series)?;
         ends.get_or_insert_with(interrupt::ends_experiment);
-        sink.next_series()?;
+        sink.next_series(&**kind)?;
         let driver = kind.clone();
         let bar = progress::runs(seeds.numbers.end - seeds.numbers.start, name, console);
         let one = move |run: Run| driver.run(series, &ground, run);
-        is_whole = run_in_order(&seeds, kind.jobs(request.jobs), one, |run, record: Result<K::Record>| {
+        is_whole = run_in_order(&seeds, kind.jobs(request.jobs), one, |run, record: Result<AnyRecord>| {
             bar.inc(1);
             done += 1;
-            sink.take(kind, name, run, record?)
+            sink.take(&**kind, name, run, record?)
         })?;
         bar.finish_and_clear();
     }
@@ -184,21 +196,16 @@ fn drive<K: ExperimentKind>(
 }
 
 /// Reads the runs of parts, series by series. Answers the status of a table that lacks some.
-fn read<K: ExperimentKind>(
-    kind: &Arc<K>,
-    parts: &mut Parts,
-    sink: &mut Sink<K>,
-    console: &mut Console,
-) -> Result<Option<Status>> {
+fn read(kind: &dyn AnyKind, parts: &mut Parts, sink: &mut Sink, console: &mut Console) -> Result<Option<Status>> {
     for doubled in parts.doubled() {
         console.note(&format!("`{doubled}` has no run that the other parts do not have; each run counts once"));
     }
     let names = kind.series();
     let missing = parts.missing(&names);
     for (series, name) in names.iter().enumerate() {
-        sink.next_series()?;
+        sink.next_series(kind)?;
         let bar: ProgressBar = progress::runs(parts.count(series), name, console);
-        parts.read(series, |run, record| {
+        parts.read(series, kind, |run, record| {
             bar.inc(1);
             sink.take(kind, name, run, record)
         })?;

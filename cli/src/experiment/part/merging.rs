@@ -3,10 +3,10 @@
 use super::identity::{Identity, Input};
 use super::reader::Part;
 use super::shard::Shard;
+use crate::experiment::any_kind::{AnyKind, AnyRecord};
 use crate::experiment::kind::Run;
 use crate::version::BUILD;
 use anyhow::{Result, bail};
-use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -85,16 +85,17 @@ impl Parts {
     ///
     /// # Errors
     /// The first of `take`; or two parts have the same runs with other records.
-    pub fn read<Record: DeserializeOwned>(
+    pub fn read(
         &mut self,
         series: usize,
-        mut take: impl FnMut(Run, Record) -> Result<()>,
+        kind: &dyn AnyKind,
+        mut take: impl FnMut(Run, AnyRecord) -> Result<()>,
     ) -> Result<()> {
         let mut due = 0;
         let mut before: Option<(Stretch, u32)> = None;
         for stretch in self.stretches(series) {
             let mut hasher = crc32fast::Hasher::new();
-            self.parts[stretch.part].read(series, stretch.to - stretch.from, |run, record, line| {
+            self.parts[stretch.part].read(series, stretch.to - stretch.from, kind, |run, record, line| {
                 hasher.update(line);
                 if run.number < due {
                     return Ok(());

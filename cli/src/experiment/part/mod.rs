@@ -16,11 +16,13 @@ use serde::{Deserialize, Serialize};
 
 /// A run, as it is written down.
 #[derive(Serialize, Deserialize)]
-struct Line<Record> {
+pub struct Line<Record> {
     /// Which one of the series.
-    run: u64,
-    seed: u64,
-    record: Record,
+    pub run: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// What is written down of it.
+    pub record: Record,
 }
 
 /// The last line of a part.

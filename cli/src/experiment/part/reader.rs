@@ -1,12 +1,12 @@
 //! Reads a part: first as a whole, to see whether all of it is there, then stretch by stretch.
 
 use super::identity::{FORM, Identity};
-use super::{Line, PartEnd, SeriesPart};
+use super::{PartEnd, SeriesPart};
+use crate::experiment::any_kind::{AnyKind, AnyRecord};
 use crate::experiment::kind::Run;
 use crate::files::inputs;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -87,11 +87,12 @@ impl Part {
     ///
     /// # Errors
     /// The file is not any more what it was, or a record is none of this experiment.
-    pub fn read<Record: DeserializeOwned>(
+    pub fn read(
         &mut self,
         series: usize,
         count: u64,
-        mut take: impl FnMut(Run, Record, &[u8]) -> Result<()>,
+        kind: &dyn AnyKind,
+        mut take: impl FnMut(Run, AnyRecord, &[u8]) -> Result<()>,
     ) -> Result<()> {
         let cannot = || format!("cannot read the part `{}`", self.name);
         let mut file = File::open(&self.path).with_context(cannot)?;
@@ -101,9 +102,10 @@ impl Part {
             line.clear();
             let bytes = lines.by_ref().take(LINE_BYTES).read_until(b'\n', &mut line).with_context(cannot)?;
             self.next[series] += bytes as u64;
-            let Line { run: number, seed, record } = serde_json::from_slice(&line)
+            let (run, record) = kind
+                .read(&line)
                 .with_context(|| format!("the part `{}` has a line that is no run of this experiment", self.name))?;
-            take(Run { number, seed }, record, &line)?;
+            take(run, record, &line)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Writes a part. What has the name of the part is always whole: it is written beside it, and then takes its place.
 
 use super::identity::{Identity, Input};
-use super::{Line, PartEnd, SeriesPart};
+use super::{PartEnd, SeriesPart};
 use crate::experiment::kind::Run;
 use crate::files::inputs;
 use anyhow::{Context, Result, bail};
@@ -47,7 +47,10 @@ impl PartWriter {
     }
 
     fn write(&mut self, value: &impl Serialize) -> Result<()> {
-        let mut line = serde_json::to_string(value).context("a record cannot be written down")?;
+        self.line(serde_json::to_string(value).context("a line of a part cannot be written down")?)
+    }
+
+    fn line(&mut self, mut line: String) -> Result<()> {
         line.push('\n');
         self.bytes += line.len() as u64;
         self.hasher.update(line.as_bytes());
@@ -64,12 +67,12 @@ impl PartWriter {
         Ok(())
     }
 
-    /// Writes a run of the series, which comes after those that were written.
+    /// Writes the line of a run of the series, which comes after those that were written.
     ///
     /// # Errors
     /// The disk is full or gone.
-    pub fn add(&mut self, run: Run, record: &impl Serialize) -> Result<()> {
-        self.write(&Line { run: run.number, seed: run.seed, record })?;
+    pub fn add(&mut self, run: Run, line: String) -> Result<()> {
+        self.line(line)?;
         let Some(SeriesPart { runs, .. }) = self.done.last_mut() else { bail!("a run without a series was written") };
         match runs.last_mut() {
             Some((_, end)) if *end == run.number => *end += 1,
