@@ -9,6 +9,7 @@ use base64::prelude::BASE64_STANDARD;
 use rpl_robot::geometry::Pose;
 use rpl_robot::sensors::{CameraImage, CameraReading, CameraView, RangeSensors, Signal, Signals};
 use rpl_robot::simulator::{CameraCommand, Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -23,7 +24,8 @@ pub const LONGEST_LINE: usize = 1 << 20;
 pub const SILENCE_US: u64 = 300_000;
 
 /// What a mission says to a host.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum ToHost {
     /// The first message.
@@ -35,7 +37,8 @@ pub enum ToHost {
 }
 
 /// What a host says to a mission.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum FromHost {
     /// The first message, an answer to the mission's.
@@ -47,7 +50,8 @@ pub enum FromHost {
 }
 
 /// How a mission greets.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MissionHello {
     /// The version of the messages it speaks: 1.
@@ -59,7 +63,8 @@ pub struct MissionHello {
 }
 
 /// How a host greets.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HostHello {
     /// The version of the messages it speaks: 1.
@@ -76,7 +81,8 @@ pub struct HostHello {
 }
 
 /// What the robot is to do until other commands come.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CommandsMessage {
     /// Counts the decisions from 0: how many percepts the mission had taken in. The same number again is
@@ -100,7 +106,8 @@ pub struct CommandsMessage {
 }
 
 /// What the gripper is to begin.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum GripperOrder {
     /// Take the thing of this name.
@@ -110,7 +117,8 @@ pub enum GripperOrder {
 }
 
 /// What a camera that is on is to do.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraOrder {
     /// Wanted turning speed of its pan unit, counter-clockwise.
@@ -118,7 +126,8 @@ pub struct CameraOrder {
 }
 
 /// What the robot perceives at the end of a period.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PerceptMessage {
     /// Counts the percepts of the mission from 0.
@@ -163,7 +172,8 @@ pub struct PerceptMessage {
 }
 
 /// What a camera that is on tells.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraMessage {
     /// Where it is turned to, counter-clockwise from straight ahead.
@@ -178,7 +188,8 @@ pub struct CameraMessage {
 pub type SignalMessages = BTreeMap<String, SignalMessage>;
 
 /// The value of such a signal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum SignalMessage {
     /// Yes or no.
@@ -192,7 +203,8 @@ pub enum SignalMessage {
 }
 
 /// Position and heading in the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PoseMessage {
     /// Metres.
@@ -204,7 +216,8 @@ pub struct PoseMessage {
 }
 
 /// How a gripper stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum GripperMotionMessage {
     /// Open and at rest; also of a robot without one.
@@ -216,7 +229,8 @@ pub enum GripperMotionMessage {
 }
 
 /// A farewell.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Bye {
     /// One clause that says why, if it is not because all is done.

@@ -11,6 +11,7 @@ pub mod host;
 pub mod line;
 pub mod module;
 pub mod remote_host;
+#[cfg(feature = "schema")]
 pub mod schema;
 pub mod thinking;
 pub mod value;

@@ -5,7 +5,6 @@ use rpl_lang::symbol::fold_name;
 use rpl_runtime::robot::reading::{MAX_NESTING, Reading, ReadingList};
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::ser::{self, SerializeMap};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -127,29 +126,6 @@ pub fn is_name(name: &str) -> bool {
         && !name.starts_with(':')
         && name != "."
         && name.parse::<f64>().is_err()
-}
-
-impl JsonSchema for Spoken {
-    fn schema_name() -> Cow<'static, str> {
-        "Value".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let inner = generator.subschema_for::<Spoken>();
-        json_schema!({
-            "description": "A value of plans: nil, t, an integer, a float, a text, a symbol, a list; lists are at most 64 deep.",
-            "anyOf": [
-                { "type": ["null", "boolean", "number", "string"] },
-                {
-                    "type": "object",
-                    "properties": { "symbol": { "type": "string" } },
-                    "required": ["symbol"],
-                    "additionalProperties": false
-                },
-                { "type": "array", "items": inner }
-            ]
-        })
-    }
 }
 
 impl Spoken {

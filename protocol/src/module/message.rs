@@ -5,6 +5,7 @@ use crate::value::Spoken;
 use rpl_robot::geometry::Pose;
 use rpl_robot::localization::Estimate;
 use rpl_runtime::robot::StopReason;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +32,8 @@ pub struct Greeting {
 }
 
 /// When the messages of a module take effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Pace {
     /// Each step of the robot waits for the answer of the module.
@@ -42,7 +44,8 @@ pub enum Pace {
 }
 
 /// What a module is told.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ToModule {
     /// The first message: who speaks. The module answers with its own `hello`.
@@ -96,7 +99,8 @@ pub enum ToModule {
 }
 
 /// What a module says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FromModule {
     /// The answer to `hello`.
@@ -147,7 +151,8 @@ pub enum FromModule {
 }
 
 /// Why a behaviour is to end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Stopped {
     /// Its plan wants no more of it.
@@ -166,7 +171,8 @@ impl From<StopReason> for Stopped {
 }
 
 /// Speeds of the robot.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
     /// Ahead, negative backwards.
@@ -176,7 +182,8 @@ pub struct Drive {
 }
 
 /// Where the robot believes itself to be, in the map; without a map, from where it was switched on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Position {
     /// Along x.
