@@ -6,7 +6,7 @@
 
 use crate::message_lines::{ReadLine, read_line};
 use crate::transcript::Live;
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, unbounded};
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded, unbounded};
 use rpl_protocol::host::{
     Bye, CommandsMessage, FromHost, HostAnswer, HostHello, MissionHello, PROTOCOL, PerceptMessage, SILENCE_US, ToHost,
     read, written,

@@ -9,7 +9,7 @@
 //! robot stands where the world says it starts.
 
 use crate::message_lines::{ReadLine, read_line};
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam::channel::{Receiver, Sender, bounded};
 use rpl_protocol::guard::{Guard, Halt, HaltCounts};
 use rpl_protocol::host::{
     Bye, CommandsMessage, FromHost, HostHello, MissionHello, PROTOCOL, PerceptMessage, ToHost, read, written,

@@ -2,7 +2,7 @@
 //! the first question on, and ends soon when nobody listens any more.
 
 use crate::transcript::Live;
-use crossbeam_channel::{Receiver, Sender, unbounded};
+use crossbeam::channel::{Receiver, Sender, unbounded};
 use rpl_protocol::line::LineFault;
 use rpl_protocol::thinking::{AnsweredQuestion, AskedQuestion, ThinkingAnswer, ThinkingWords};
 use rpl_runtime::robot::thinking::Thought;

@@ -3,7 +3,7 @@
 use super::kind::Run;
 use crate::interrupt;
 use anyhow::{Context, Result};
-use crossbeam_channel::RecvTimeoutError;
+use crossbeam::channel::RecvTimeoutError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -46,7 +46,7 @@ pub fn run_in_order<T: Send + 'static>(
     let (one, next) = (Arc::new(one), Arc::new(AtomicU64::new(seeds.numbers.start)));
     let is_over = Arc::new(Over(AtomicBool::new(false)));
     let _ends_with_this = EndsRuns(is_over.clone());
-    let (sender, receiver) = crossbeam_channel::unbounded();
+    let (sender, receiver) = crossbeam::channel::unbounded();
     let most = usize::try_from(seeds.numbers.end - seeds.numbers.start).unwrap_or(usize::MAX);
     let jobs = jobs.clamp(1, most.max(1));
     let pools: Vec<Option<ThreadPool>> = (0..jobs).map(|_| pool_of_one(jobs)).collect::<Result<_>>()?;
