@@ -207,10 +207,10 @@ impl Machine {
                     }};
                 }
                 macro_rules! call_value {
-                    ($callee:expr, $count:expr, $is_tail:literal) => {{
+                    ($first:expr, $callee:expr, $count:expr, $is_tail:literal) => {{
                         burn!();
                         let function = &r!($callee);
-                        let first = usize::from($callee) + 1;
+                        let first = usize::from($first);
                         let known = match *function {
                             Value::Function(number) => Some((number, &[][..])),
                             Value::Closure(index) => {
@@ -232,13 +232,13 @@ impl Machine {
                                 self.scratch.frames.push(frame!());
                                 first
                             };
-                            clear!(callee, start, count);
                             place_captured(r, start + count, captured);
+                            clear!(callee, start, count + captured.len());
                             begin!(callee, number, base + start);
                             continue 'frame;
                         }
                         let function = *function;
-                        hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
+                        hand_over!(self.call_any(around, place, function, $first, $count, $is_tail))
                     }};
                 }
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
@@ -482,8 +482,8 @@ impl Machine {
                         }
                         hand_over!(self.call_global(around, place, global, first, count, true))
                     }
-                    Op::CallValue(callee, count) => call_value!(callee, count, false),
-                    Op::TailCallValue(callee, count) => call_value!(callee, count, true),
+                    Op::CallValue(first, callee, count) => call_value!(first, callee, count, false),
+                    Op::TailCallValue(first, callee, count) => call_value!(first, callee, count, true),
                     Op::CallCode(first, number) => {
                         burn!();
                         self.scratch.frames.push(frame!());
