@@ -438,7 +438,7 @@ impl Machine {
                                 && let Some(slot) = &callee.slot
                                 && callee.exact_count == u16::from(count)
                                 && !(slot.assigns && self.current == SCRATCH_TASK)
-                                && self.heap.access_slot(slot, &self.constants, &mut r[from..])
+                                && self.heap.access_slot(slot, &mut r[from..])
                             {
                                 continue;
                             }
@@ -452,8 +452,7 @@ impl Machine {
                             && let callee = &*program.codes[number as usize]
                             && let Some(slot) = &callee.slot
                             && callee.exact_count == u16::from(count)
-                            && let kind = &self.constants[slot.kind as usize]
-                            && let Some(pair) = self.heap.slot_in_row(&r!(own), kind, slot.place.into())
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
                             && !(slot.assigns && self.current == SCRATCH_TASK)
                         {
                             if slot.assigns {
