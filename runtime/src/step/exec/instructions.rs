@@ -518,22 +518,22 @@ impl Machine {
                         collect_in_frame!();
                     }
                     Op::Return(a) => {
-                        if self.scratch.frames.len() <= entry {
-                            let value = r!(a);
-                            save!();
-                            if self.current != SCRATCH_TASK
-                                && !self.tasks[self.current].scopes.is_empty()
-                                && self.end_spawned(around, place)
-                            {
-                                return Ok(Exit::Blocked);
-                            }
-                            return Ok(Exit::Returned(value));
-                        }
-                        assign!(r!(0), r!(a));
-                        if let Some(frame) = self.scratch.frames.pop() {
+                        if self.scratch.frames.len() > entry
+                            && let Some(frame) = self.scratch.frames.pop()
+                        {
+                            assign!(r!(0), r!(a));
                             resume!(frame);
+                            continue 'frame;
                         }
-                        continue 'frame;
+                        let value = r!(a);
+                        save!();
+                        if self.current != SCRATCH_TASK
+                            && !self.tasks[self.current].scopes.is_empty()
+                            && self.end_spawned(around, place)
+                        {
+                            return Ok(Exit::Blocked);
+                        }
+                        return Ok(Exit::Returned(value));
                     }
                     Op::WaitFor(a, condition, seconds, owned) => {
                         let condition = std::mem::take(&mut r!(condition));
