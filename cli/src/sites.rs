@@ -18,7 +18,7 @@ use rpl_runtime::run::library::Loaded;
 /// The scenario's text or a module is wrong, or the world is too large or cannot be localized in.
 pub fn build(setup: Setup, scenario: Option<PlanText>, modules: Vec<ModuleSource>) -> Result<Site> {
     match (&setup.world, &scenario) {
-        (None, Some(scenario)) => bail!("the scenario `{}` needs a robot; add `--world dept`", scenario.name),
+        (None, Some(scenario)) => bail!(needs_robot(scenario)),
         (None, None) => {}
         (Some(world), _) => announce(world, &setup.settings, setup.memory_gib)?,
     }
@@ -27,6 +27,21 @@ pub fn build(setup: Setup, scenario: Option<PlanText>, modules: Vec<ModuleSource
         Some(scenario) => with_scenario(&site, scenario),
         None => Ok(site),
     }
+}
+
+/// A site without a robot, for which no robot is described.
+///
+/// # Errors
+/// There is a scenario.
+pub fn without_robot(scenario: Option<&PlanText>) -> Result<Site> {
+    match scenario {
+        Some(scenario) => bail!(needs_robot(scenario)),
+        None => Ok(Site::without_robot()?),
+    }
+}
+
+fn needs_robot(scenario: &PlanText) -> String {
+    format!("the scenario `{}` needs a robot; add `--world dept`", scenario.name)
 }
 
 /// The same place with another scenario.

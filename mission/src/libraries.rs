@@ -2,12 +2,12 @@
 
 use crate::error::SiteError;
 use crate::modules::{self, own_modules};
-use rpl_lang::compile::{NoFiles, special_forms};
+use rpl_lang::compile::{Names, NoFiles, special_forms};
 use rpl_robot::office::{self, Composition, Module, PlanText};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::step::native::Native;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// The native functions of the language: those of the runtime and of its library.
 pub fn base_natives() -> Vec<Native> {
@@ -28,12 +28,21 @@ pub fn library_without_robot(own: Vec<Native>) -> Result<Arc<Library>, SiteError
     robotless_library(own_modules(), own)
 }
 
+/// What plans without a robot can call, as [`Library::compiled`]; a test compares it with what the texts compile to.
+const COMPILED: &[u8] = include_bytes!("compiled_library");
+
 /// The same where the robot, if there were one, would have these modules.
 pub(crate) fn robotless_library<M: Module>(
-    modules: &Composition<M>,
+    modules: &Arc<Composition<M>>,
     own: Vec<Native>,
 ) -> Result<Arc<Library>, SiteError> {
-    plan_library(base_natives(), own, RobotTables::EMPTY, &[], &modules.robot_names())
+    let modules = modules.clone();
+    let robot_names: Names = LazyLock::new(Box::new(move || modules.robot_names()));
+    let compile = |natives: Vec<Native>| match Library::read_back(COMPILED, &natives, &[PRELUDE]) {
+        Some(library) => Ok(library),
+        None => compile(natives, RobotTables::EMPTY, &[]),
+    };
+    plan_library(base_natives(), own, compile, robot_names)
 }
 
 /// What plans can call on a robot of these modules, and these native functions.
@@ -42,7 +51,9 @@ pub(crate) fn robotless_library<M: Module>(
 /// One of them has a name that is taken, or the prelude does not compile.
 pub fn robot_library<M: Module>(modules: &Composition<M>, own: Vec<Native>) -> Result<Arc<Library>, SiteError> {
     let natives = [base_natives(), modules.functions.clone()].concat();
-    plan_library(natives, own, &modules.tables, &modules.plans, &modules.reserved_names())
+    let robot_names = modules.reserved_names();
+    let compile = |natives| compile(natives, &modules.tables, &modules.plans);
+    plan_library(natives, own, compile, LazyLock::new(Box::new(|| robot_names)))
 }
 
 /// What the experimenter's plans can call.
@@ -50,15 +61,14 @@ pub fn robot_library<M: Module>(modules: &Composition<M>, own: Vec<Native>) -> R
 /// # Errors
 /// The prelude does not compile.
 pub fn scenario_library() -> Result<Arc<Library>, SiteError> {
-    Ok(Arc::new(compile([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[], &[])?))
+    Ok(Arc::new(compile([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[])?))
 }
 
 fn plan_library(
     natives: Vec<Native>,
     own: Vec<Native>,
-    tables: &RobotTables,
-    plans: &[PlanText],
-    robot_names: &[String],
+    compile: impl FnOnce(Vec<Native>) -> Result<Library, SiteError>,
+    robot_names: Names,
 ) -> Result<Arc<Library>, SiteError> {
     let names: Vec<&'static str> = own.iter().map(|native| native.name).collect();
     let is_native = |(at, name): (usize, &&'static str)| {
@@ -67,10 +77,11 @@ fn plan_library(
     if let Some((_, name)) = names.iter().enumerate().find(|&named| is_native(named)) {
         return Err(SiteError::NativeTaken(name));
     }
-    let library = compile([natives, own].concat(), tables, plans, robot_names)?;
+    let library = compile([natives, own].concat())?;
     if let Some(name) = names.into_iter().find(|name| is_defined(&library, name)) {
         return Err(SiteError::NativeTaken(name));
     }
+    let library = library.knowing_robot_names(robot_names);
     Ok(Arc::new(library.refusing_scenario_names(&office::scenario_names())))
 }
 
@@ -87,16 +98,13 @@ fn is_defined(library: &Library, name: &str) -> bool {
     symbols.find(name).is_some_and(is_global) || special_forms().any(|form| form.names.contains(&name))
 }
 
-fn compile(
-    natives: Vec<Native>,
-    tables: &RobotTables,
-    plans: &[PlanText],
-    robot_names: &[String],
-) -> Result<Library, SiteError> {
-    let mut preludes = vec![("prelude", rpl_stdlib::PRELUDE)];
-    preludes.extend(plans.iter().map(|plan| (&*plan.name, &*plan.text)));
-    Library::new(natives, &preludes, tables, robot_names).map_err(SiteError::Prelude)
+fn compile(natives: Vec<Native>, tables: &RobotTables, plans: &[PlanText]) -> Result<Library, SiteError> {
+    let preludes: Vec<(&str, &str)> =
+        [PRELUDE].into_iter().chain(plans.iter().map(|plan| (&*plan.name, &*plan.text))).collect();
+    Library::new(natives, &preludes, tables).map_err(SiteError::Prelude)
 }
+
+const PRELUDE: (&str, &str) = ("prelude", rpl_stdlib::PRELUDE);
 
 #[cfg(test)]
 mod tests {
@@ -107,6 +115,26 @@ mod tests {
     fn native(name: &'static str) -> Native {
         let code = NativeCode::Plain(|_| Ok(Reply::Value(Value::Nil)));
         Native { name, parameters: "", doc: "It does nothing.", effect: Effect::None, code }
+    }
+
+    #[test]
+    fn the_library_that_is_read_back_is_the_one_that_is_compiled() {
+        let Ok(library) = compile(base_natives(), RobotTables::EMPTY, &[]) else { panic!("the prelude compiles") };
+        if std::env::var_os("WRITE_LIBRARY").is_some() {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/compiled_library");
+            std::fs::write(path, library.compiled()).expect("the file can be written");
+            return;
+        }
+        assert!(
+            library.compiled() == COMPILED,
+            "the library compiles to something else; `WRITE_LIBRARY=1 cargo test -p rpl-mission library` writes it anew"
+        );
+        let read_back = Library::read_back(COMPILED, &base_natives(), &[PRELUDE]).expect("it is of the same texts");
+        assert_eq!(read_back.names(), library.names());
+        // Of another text, or with another function beside, it is not.
+        assert!(Library::read_back(COMPILED, &base_natives(), &[("prelude", "")]).is_none());
+        let more = [base_natives(), vec![native("of-mine")]].concat();
+        assert!(Library::read_back(COMPILED, &more, &[PRELUDE]).is_none());
     }
 
     #[test]

@@ -97,7 +97,7 @@ impl Site {
     /// # Errors
     /// The prelude does not compile.
     pub fn without_robot() -> Result<Self, SiteError> {
-        Self::new(Setup::default())
+        Self::robotless(own_modules().clone(), Vec::new())
     }
 
     /// A site with what plans can call on a robot with these modules in other processes, but with no world to
@@ -127,6 +127,10 @@ impl<M: Module> Site<M> {
         Self { library, modules, premises: Premises::Office { model, scenario: None } }
     }
 
+    fn robotless(modules: Arc<Composition<M>>, natives: Vec<Native>) -> Result<Self, SiteError> {
+        Ok(Self { library: robotless_library(&modules, natives)?, modules, premises: Premises::Robotless })
+    }
+
     /// A site whose robot has these modules, with the settings that they have already.
     ///
     /// # Errors
@@ -134,8 +138,7 @@ impl<M: Module> Site<M> {
     pub fn with_modules(setup: Setup, modules: Arc<Composition<M>>) -> Result<Self, SiteError> {
         let Setup { world, settings, memory_gib, natives, rupart: _ } = setup;
         let Some(world) = world else {
-            let library = robotless_library(&modules, natives)?;
-            return Ok(Self { library, modules, premises: Premises::Robotless });
+            return Self::robotless(modules, natives);
         };
         if let Some(too_large) = TooLarge::of(&world, &settings, memory_gib) {
             return Err(Box::new(too_large).into());

@@ -117,9 +117,13 @@ impl SiteArguments {
         voices: ModuleVoices<'_>,
         cases: Option<&Path>,
     ) -> Result<(Site, Option<World>, Modules, Option<KeptCases>)> {
+        let Some(world) = &self.world else {
+            let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+            return Ok((sites::without_robot(scenario.as_ref())?, None, Modules::default(), None));
+        };
         let robot = robot_files::named(self.robot.as_deref())?;
-        let world = self.world.as_deref().map(|name| world_files::named(name, &robot, self.seed())).transpose()?;
-        let opened = cases.zip(world.as_ref()).map(|(path, world)| KeptCases::open(path, world, &robot)).transpose()?;
+        let world = world_files::named(world, &robot, self.seed())?;
+        let opened = cases.map(|path| KeptCases::open(path, &world, &robot)).transpose()?;
         let (cases, memory) = opened.unzip();
         let rupart = RupartSettings { memory: memory.flatten(), ..RupartSettings::default() };
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
@@ -131,10 +135,10 @@ impl SiteArguments {
         };
         let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
         let site = sites::build(
-            Setup { world: world.clone(), settings, memory_gib: self.memory, rupart, ..Setup::default() },
+            Setup { world: Some(world.clone()), settings, memory_gib: self.memory, rupart, ..Setup::default() },
             scenario,
             sources,
         )?;
-        Ok((site, world, modules, cases))
+        Ok((site, Some(world), modules, cases))
     }
 }

@@ -1,6 +1,6 @@
 //! A compiled body.
 
-use super::{Construct, Op, Parameters, Reg};
+use super::{Atom, Constant, Construct, Op, Parameters, Reg};
 use crate::source::Span;
 use crate::symbol::Symbol;
 use serde::{Deserialize, Serialize};
@@ -35,8 +35,8 @@ pub struct Local {
 /// What a function does that reads or assigns a slot of a record, and nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SlotAccess {
-    /// The constant that names the kind of record.
-    pub kind: u32,
+    /// The kind of record.
+    pub kind: Symbol,
     /// The place of the slot, counted behind the kind from 1.
     pub place: u8,
     /// Whether its second argument is assigned to the slot.
@@ -44,16 +44,16 @@ pub struct SlotAccess {
 }
 
 impl SlotAccess {
-    /// Of a body, if it does nothing else.
-    pub(crate) fn of(ops: &[Op]) -> Option<Self> {
-        match *ops {
-            [Op::Slot(to, 0, place, kind), Op::Return(from)] if to == from => {
-                Some(Self { kind, place, assigns: false })
-            }
-            [Op::SetSlot(0, 1, place, kind), Op::Return(1)] => Some(Self { kind, place, assigns: true }),
-            [Op::SetSlot(0, 1, place, kind), Op::Move(to, 1), Op::Return(from)] if to == from => {
-                Some(Self { kind, place, assigns: true })
-            }
+    /// Of a body with these constants, if it does nothing else.
+    pub(crate) fn of(ops: &[Op], constants: &[Constant]) -> Option<Self> {
+        let (place, kind, assigns) = match *ops {
+            [Op::Slot(to, 0, place, kind), Op::Return(from)] if to == from => (place, kind, false),
+            [Op::SetSlot(0, 1, place, kind), Op::Return(1)] => (place, kind, true),
+            [Op::SetSlot(0, 1, place, kind), Op::Move(to, 1), Op::Return(from)] if to == from => (place, kind, true),
+            _ => return None,
+        };
+        match constants.get(kind as usize) {
+            Some(&Constant::Atom(Atom::Symbol(kind))) => Some(Self { kind, place, assigns }),
             _ => None,
         }
     }

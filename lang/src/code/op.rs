@@ -136,10 +136,10 @@ pub enum Op {
     CallSlot(Reg, Reg, u8, u32),
     /// as `Call` in tail position
     TailCall(Reg, u8, u32),
-    /// call the value in r0; arguments from r0 + 1; result in r0 + 1
-    CallValue(Reg, u8),
+    /// call the value in r1; arguments from r0, count; result in r0
+    CallValue(Reg, Reg, u8),
     /// the same in tail position
-    TailCallValue(Reg, u8),
+    TailCallValue(Reg, Reg, u8),
     /// run code i, which takes no arguments; result in r0
     CallCode(Reg, u32),
     /// `r0 := native(arguments from r1, count)`
@@ -242,6 +242,7 @@ impl Op {
         match *self {
             Op::Call(reg, ..)
             | Op::CallSlot(reg, ..)
+            | Op::CallValue(reg, ..)
             | Op::CallNative(reg, ..)
             | Op::SetGlobal(reg, _)
             | Op::DefFluent(reg, _)
@@ -249,7 +250,6 @@ impl Op {
             | Op::ParallelMap(reg, ..)
             | Op::Spawn(reg, _)
             | Op::WaitFor(reg, ..) => Some(reg),
-            Op::CallValue(reg, _) => Some(reg + 1),
             _ => None,
         }
     }

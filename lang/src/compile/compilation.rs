@@ -5,6 +5,7 @@ use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 use crate::symbol::Symbols;
 use crate::syntax::{NodeId, Tree};
+use std::sync::LazyLock;
 
 /// What the compiler knows of a native function.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +81,14 @@ pub enum Purpose {
     User,
 }
 
+/// Names that are found out when the first of them is asked for.
+pub type Names = LazyLock<Vec<String>, Box<dyn FnOnce() -> Vec<String> + Send>>;
+
+/// None.
+pub fn no_names() -> Names {
+    LazyLock::new(Box::new(Vec::new))
+}
+
 /// The surroundings of a compilation.
 pub struct Compilation<'a> {
     /// Where code is added.
@@ -93,7 +102,7 @@ pub struct Compilation<'a> {
     /// Finds loaded files.
     pub loader: &'a mut dyn Loader,
     /// Names that exist only with a robot, so that an error can say so.
-    pub robot_names: &'a [String],
+    pub robot_names: &'a Names,
     /// Names that only a scenario has, so that an error can say so.
     pub scenario_names: &'a [String],
 }

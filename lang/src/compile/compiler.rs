@@ -1,6 +1,6 @@
 //! The compiler's state, and what all of its parts do with it.
 
-use super::compilation::{Compilation, Loader, MacroHost, NativeSignature, Purpose};
+use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
@@ -28,7 +28,7 @@ pub(crate) struct Compiler<'a> {
     pub(super) specials: BTreeMap<Symbol, FormPlace>,
     pub(super) macros: &'a mut dyn MacroHost,
     pub(super) loader: &'a mut dyn Loader,
-    pub(super) robot_names: &'a [String],
+    pub(super) robot_names: &'a Names,
     pub(super) scenario_names: &'a [String],
     pub(super) purpose: Purpose,
     pub(super) tree: Tree,

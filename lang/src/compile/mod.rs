@@ -21,7 +21,7 @@ mod unresolved;
 use crate::reader::read;
 use crate::source::{SourceId, Span};
 use crate::syntax::{NodeId, Tree};
-pub use compilation::{Compilation, Loader, MacroHost, NativeSignature, NoFiles, Purpose};
+pub use compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, NoFiles, Purpose, no_names};
 use compiler::Compiler;
 pub use foreign::foreign_words;
 pub use forms::{SpecialForm, special_forms};

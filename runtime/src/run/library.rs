@@ -6,7 +6,9 @@ use crate::state::failure::base_classes;
 use crate::step::native::Native;
 use rpl_lang::check::{BehaviourSignature, KnownPlaces, Subject};
 use rpl_lang::code::{Global, GlobalKind, Program};
-use rpl_lang::compile::{Compilation, Compiled, Loader, NativeSignature, NoFiles, Purpose, Resolved, Test};
+use rpl_lang::compile::{
+    Compilation, Compiled, Loader, Names, NativeSignature, NoFiles, Purpose, Resolved, Test, no_names,
+};
 use rpl_lang::diagnostic::render;
 use rpl_lang::diagnostic::{Diagnostic, Severity};
 use rpl_lang::source::SourceId;
@@ -14,7 +16,7 @@ use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::NodeId;
 use rpl_lang::syntax::Tree;
 use rpl_lang::{check, compile};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A program that has been compiled and can be started.
 #[derive(Clone)]
@@ -70,29 +72,24 @@ pub struct Library {
     /// The native functions, by number.
     pub natives: Arc<[Native]>,
     pub(crate) signatures: Arc<[NativeSignature]>,
-    program: Program,
-    symbols: Symbols,
-    robot_names: Arc<[String]>,
-    scenario_names: Arc<[String]>,
+    pub(super) program: Program,
+    pub(super) symbols: Symbols,
+    pub(super) robot_names: Arc<Names>,
+    pub(super) scenario_names: Arc<[String]>,
     /// Where the robot's names stand in the program.
     pub(crate) robot: Arc<RobotGlobals>,
     /// What a check needs to know beyond the program.
-    behaviours: Arc<[BehaviourSignature]>,
-    resolved: Arc<Vec<Resolved>>,
+    pub(super) behaviours: Arc<[BehaviourSignature]>,
+    /// What its texts were resolved to; made when a check asks for it, if the library was read back.
+    pub(super) resolved: Arc<OnceLock<Vec<Resolved>>>,
 }
 
 impl Library {
-    /// Compiles preludes over native functions, with what a robot offers. `robot_names` are names
-    /// that exist only with a robot, so that a program without one gets a helpful error.
+    /// Compiles preludes over native functions, with what a robot offers.
     ///
     /// # Errors
     /// The findings in a prelude.
-    pub fn new(
-        natives: Vec<Native>,
-        preludes: &[(&str, &str)],
-        tables: &RobotTables,
-        robot_names: &[String],
-    ) -> Result<Self, Rejected> {
+    pub fn new(natives: Vec<Native>, preludes: &[(&str, &str)], tables: &RobotTables) -> Result<Self, Rejected> {
         let mut symbols = Symbols::default();
         let mut program = Program { failure_classes: base_classes(&mut symbols), ..Program::default() };
         for (number, behaviour) in tables.behaviours.iter().enumerate() {
@@ -118,17 +115,16 @@ impl Library {
             program.names.get(&valve).copied()
         };
         let robot = RobotGlobals { fluents, valves: tables.behaviours.iter().map(valve_of).collect() };
-        let resolved = Arc::default();
         let mut library = Self {
             natives: natives.into(),
             signatures,
             program,
             symbols,
-            robot_names: robot_names.into(),
+            robot_names: Arc::new(no_names()),
             scenario_names: Arc::default(),
             robot: Arc::new(robot),
             behaviours,
-            resolved,
+            resolved: Arc::default(),
         };
         let mut resolved = Vec::new();
         for &(name, text) in preludes {
@@ -144,9 +140,15 @@ impl Library {
             }
         }
         library.program.library_globals = library.program.globals.len() as u32;
-        library.resolved = Arc::new(resolved);
+        library.resolved = Arc::new(OnceLock::from(resolved));
         library.program.library_sources = library.program.sources.len() as u32;
         Ok(library)
+    }
+
+    /// A library that knows which names exist only with a robot, so that a plan without one gets a helpful error.
+    #[must_use]
+    pub fn knowing_robot_names(self, robot_names: Names) -> Self {
+        Self { robot_names: Arc::new(robot_names), ..self }
     }
 
     /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
@@ -218,7 +220,7 @@ impl Library {
             natives: &self.signatures,
             behaviours: &self.behaviours,
             places,
-            library: &self.resolved,
+            library: self.resolved(),
             text: &compiled.resolved,
         };
         diagnostics.extend(check::check(subject, &diagnostics));

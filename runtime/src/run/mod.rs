@@ -2,6 +2,7 @@
 
 mod base;
 pub mod beside;
+mod compiled_library;
 mod datum;
 pub mod difference;
 pub mod disturbance;

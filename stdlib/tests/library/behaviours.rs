@@ -65,7 +65,7 @@ impl Outside for Digger {
 fn dig(text: &str) -> (String, Digger) {
     let mut natives = rpl_stdlib::natives();
     natives.extend(rpl_runtime::step::natives::natives());
-    let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], Digger::default().tables(), &[]);
+    let library = Library::new(natives, &[("prelude.rpl", rpl_stdlib::PRELUDE)], Digger::default().tables());
     let library = Arc::new(library.unwrap_or_else(|rejected| panic!("{}", rejected.render(false))));
     let loaded = library.load("test", text, &mut NoFiles);
     let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));

@@ -21,7 +21,7 @@ pub fn library_with(texts: &[(&str, &str)]) -> Result<Arc<Library>, String> {
     let mut natives = rpl_stdlib::natives();
     natives.extend(rpl_runtime::step::natives::natives());
     let preludes = [&[("prelude.rpl", rpl_stdlib::PRELUDE)], texts].concat();
-    let library = Library::new(natives, &preludes, RobotTables::EMPTY, &[]);
+    let library = Library::new(natives, &preludes, RobotTables::EMPTY);
     library.map(Arc::new).map_err(|rejected| rejected.render(false))
 }
 

@@ -198,7 +198,7 @@ pub fn library() -> &'static Arc<Library> {
     static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
     LIBRARY.get_or_init(|| {
         let natives = [base_natives(), NATIVES.to_vec()].concat();
-        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &TABLES, &[]) {
+        match Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &TABLES) {
             Ok(library) => Arc::new(library),
             Err(rejected) => panic!("the library does not compile:\n{}", rejected.render(false)),
         }

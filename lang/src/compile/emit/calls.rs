@@ -55,6 +55,15 @@ impl Emitter<'_, '_> {
         first.min(MAX_REGISTERS) as Reg
     }
 
+    /// Puts arguments into a register that is the topmost, and into fresh ones behind it.
+    fn arguments_from(&mut self, first: Reg, arguments: &[Ir]) {
+        let Some((argument, others)) = arguments.split_first() else { return };
+        self.value(argument, first, false);
+        if !others.is_empty() {
+            self.arguments(others);
+        }
+    }
+
     pub(super) fn call(&mut self, callee: &Callee, arguments: &[Ir], into: Reg, tail: bool) {
         if arguments.len() > MAX_REGISTERS {
             let count = arguments.len();
@@ -83,14 +92,14 @@ impl Emitter<'_, '_> {
             }
             Callee::Global(global) => self.call_global(*global, arguments, into, tail),
             Callee::Value(function) => {
-                let function_reg = self.fresh();
-                self.value(function, function_reg, false);
-                let first = self.arguments(arguments);
-                if tail {
-                    self.push(Op::TailCallValue(function_reg, count));
-                } else {
-                    self.push(Op::CallValue(function_reg, count));
-                }
+                let behind: Vec<&Ir> = arguments.iter().collect();
+                let function = self.operand(function, &behind);
+                let first = self.first_argument(into);
+                self.arguments_from(first, arguments);
+                self.push(match tail {
+                    true => Op::TailCallValue(first, function, count),
+                    false => Op::CallValue(first, function, count),
+                });
                 self.take(first, into);
             }
         }

@@ -70,6 +70,7 @@ impl Emitter<'_, '_> {
         let before = self.next;
         let result = inside(self);
         self.next = before;
+        self.registers.retain(|_, register| usize::from(*register) < before);
         let end = self.ops.len() as u32;
         let ended = self.locals.iter_mut().filter(|local| usize::from(local.register) >= before);
         ended.filter(|local| local.to == u32::MAX).for_each(|local| local.to = end);

@@ -40,7 +40,8 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
     join_counts(&mut ops);
     let end = ops.len() as u32;
     let exact_count = function.parameters.exact_count();
-    let slot = SlotAccess::of(&ops).filter(|slot| exact_count == if slot.assigns { 2 } else { 1 });
+    let slot = SlotAccess::of(&ops, &compiler.program.constants)
+        .filter(|slot| exact_count == if slot.assigns { 2 } else { 1 });
     let code = Code {
         name: function.name,
         kind: function.kind,

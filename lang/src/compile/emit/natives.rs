@@ -89,7 +89,7 @@ impl Emitter<'_, '_> {
     /// given, and perhaps another for the element.
     fn each(&mut self, function: &Ir, list: &Ir, value: &Ir, body: &Ir, element: Option<&Ir>) {
         let kept = element.and_then(|element| self.rename(element));
-        // In a row: the argument stands behind its function, and becomes what that gives.
+        // The argument becomes what the function gives.
         let list = self.kept(list);
         let function = self.kept(function);
         let Some(argument) = self.rename(value) else { return };
@@ -99,7 +99,7 @@ impl Emitter<'_, '_> {
         if let Some(kept) = kept {
             self.push(Op::Move(kept, argument));
         }
-        self.push(Op::CallValue(function, 1));
+        self.push(Op::CallValue(argument, function, 1));
         self.effect(body);
         let again = self.push(Op::NextElement(list, argument, 0));
         self.land_at(again, start);
@@ -119,10 +119,10 @@ impl Emitter<'_, '_> {
         // In a row: a question stands behind its function, and that behind the state.
         let state = self.kept(state);
         let function = self.kept(predicate);
-        self.fresh();
+        let question = self.fresh();
         self.fresh();
         let first = self.push(Op::Jump(0));
-        let ask = self.push(Op::CallValue(function, 2));
+        let ask = self.push(Op::CallValue(question, function, 2));
         self.land(first);
         let step = self.push(Op::MergeStep(state, 0));
         self.land_at(step, ask);

@@ -207,10 +207,10 @@ impl Machine {
                     }};
                 }
                 macro_rules! call_value {
-                    ($callee:expr, $count:expr, $is_tail:literal) => {{
+                    ($first:expr, $callee:expr, $count:expr, $is_tail:literal) => {{
                         burn!();
                         let function = &r!($callee);
-                        let first = usize::from($callee) + 1;
+                        let first = usize::from($first);
                         let known = match *function {
                             Value::Function(number) => Some((number, &[][..])),
                             Value::Closure(index) => {
@@ -232,13 +232,13 @@ impl Machine {
                                 self.scratch.frames.push(frame!());
                                 first
                             };
-                            clear!(callee, start, count);
                             place_captured(r, start + count, captured);
+                            clear!(callee, start, count + captured.len());
                             begin!(callee, number, base + start);
                             continue 'frame;
                         }
                         let function = *function;
-                        hand_over!(self.call_any(around, place, function, $callee + 1, $count, $is_tail))
+                        hand_over!(self.call_any(around, place, function, $first, $count, $is_tail))
                     }};
                 }
                 if STEPPING && !std::mem::take(&mut is_looked_at) {
@@ -438,7 +438,7 @@ impl Machine {
                                 && let Some(slot) = &callee.slot
                                 && callee.exact_count == u16::from(count)
                                 && !(slot.assigns && self.current == SCRATCH_TASK)
-                                && self.heap.access_slot(slot, &self.constants, &mut r[from..])
+                                && self.heap.access_slot(slot, &mut r[from..])
                             {
                                 continue;
                             }
@@ -452,8 +452,7 @@ impl Machine {
                             && let callee = &*program.codes[number as usize]
                             && let Some(slot) = &callee.slot
                             && callee.exact_count == u16::from(count)
-                            && let kind = &self.constants[slot.kind as usize]
-                            && let Some(pair) = self.heap.slot_in_row(&r!(own), kind, slot.place.into())
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
                             && !(slot.assigns && self.current == SCRATCH_TASK)
                         {
                             if slot.assigns {
@@ -482,8 +481,8 @@ impl Machine {
                         }
                         hand_over!(self.call_global(around, place, global, first, count, true))
                     }
-                    Op::CallValue(callee, count) => call_value!(callee, count, false),
-                    Op::TailCallValue(callee, count) => call_value!(callee, count, true),
+                    Op::CallValue(first, callee, count) => call_value!(first, callee, count, false),
+                    Op::TailCallValue(first, callee, count) => call_value!(first, callee, count, true),
                     Op::CallCode(first, number) => {
                         burn!();
                         self.scratch.frames.push(frame!());
@@ -519,22 +518,22 @@ impl Machine {
                         collect_in_frame!();
                     }
                     Op::Return(a) => {
-                        if self.scratch.frames.len() <= entry {
-                            let value = r!(a);
-                            save!();
-                            if self.current != SCRATCH_TASK
-                                && !self.tasks[self.current].scopes.is_empty()
-                                && self.end_spawned(around, place)
-                            {
-                                return Ok(Exit::Blocked);
-                            }
-                            return Ok(Exit::Returned(value));
-                        }
-                        assign!(r!(0), r!(a));
-                        if let Some(frame) = self.scratch.frames.pop() {
+                        if self.scratch.frames.len() > entry
+                            && let Some(frame) = self.scratch.frames.pop()
+                        {
+                            assign!(r!(0), r!(a));
                             resume!(frame);
+                            continue 'frame;
                         }
-                        continue 'frame;
+                        let value = r!(a);
+                        save!();
+                        if self.current != SCRATCH_TASK
+                            && !self.tasks[self.current].scopes.is_empty()
+                            && self.end_spawned(around, place)
+                        {
+                            return Ok(Exit::Blocked);
+                        }
+                        return Ok(Exit::Returned(value));
                     }
                     Op::WaitFor(a, condition, seconds, owned) => {
                         let condition = std::mem::take(&mut r!(condition));

@@ -66,7 +66,7 @@ impl Outside for LetterBox {
 
 /// The value of a plan beside the letter box, as it is shown, and how often the box made a step.
 fn run(robot: LetterBox, plan: &str) -> (String, u32) {
-    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables(), &[])
+    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables())
         .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let loaded = library.load("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{}", error.render(false)));
     let mut system = System::new(Arc::new(library), loaded, robot, 0);

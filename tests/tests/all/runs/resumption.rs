@@ -50,7 +50,7 @@ impl Outside for Walker {
 
 fn walker(text: &str) -> System<Walker> {
     let robot = Walker::new();
-    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables(), &[])
+    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables())
         .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let loaded = library.load("plan.rpl", text, &mut NoFiles).unwrap_or_else(|error| panic!("{}", error.render(false)));
     System::new(Arc::new(library), loaded, robot, 0)

@@ -49,7 +49,7 @@ impl Outside for Talker {
 }
 
 fn start(robot: Talker, plan: &str) -> System<Talker> {
-    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables(), &[])
+    let library = Library::new(base_natives(), &[("prelude", rpl_stdlib::PRELUDE)], robot.tables())
         .unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let loaded = library.load("plan.rpl", plan, &mut NoFiles).unwrap_or_else(|error| panic!("{}", error.render(false)));
     System::new(Arc::new(library), loaded, robot, 0)
