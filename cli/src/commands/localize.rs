@@ -2,9 +2,11 @@
 
 mod arguments;
 mod figure;
+mod findings;
 mod mcap_log;
 mod table;
 
+use crate::experiment::chart;
 use crate::files::inputs;
 use crate::files::maps;
 use crate::files::maps::MapFile;
@@ -12,12 +14,12 @@ use crate::files::outputs::{OutputFile, OutputFolder};
 use crate::interrupt;
 use crate::status::Status;
 use crate::terminal::console::Console;
-use crate::terminal::page::Block;
 use crate::terminal::progress;
 use anyhow::{Context, Result, anyhow, bail};
 pub use arguments::Arguments;
+use findings::Findings;
 use rpl_robot::geometry::Vector;
-use rpl_robot::localization::{LocalizationModel, LocalizationParameters};
+use rpl_robot::localization::{Calibration, LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use rpl_robot::recording::{BeamChoice, Recording, Trial, TrialStart, Window, fit_odometry, fit_sensor, localize};
 use std::ops::ControlFlow;
@@ -26,8 +28,15 @@ use std::time::Instant;
 /// A log belongs to a map if this share of its poses lies on free space.
 const ON_THE_MAP: f64 = 0.5;
 
+/// A window, and by which share of the way to the next one it is shifted; a whole drive by none.
+struct Placed {
+    phase: f64,
+    window: Window,
+}
+
 /// A trial, the window it was made in, and how long it took.
 struct Timed {
+    phase: f64,
     window: Window,
     trial: Trial,
     wall_s: f64,
@@ -67,18 +76,22 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     }
     let windows = windows(arguments, &recording)?;
     let figures = arguments.figures.as_deref();
-    let figures = figures.map(|path| OutputFolder::open_for(path, "localize", &[PATHS, ERRORS])).transpose()?;
+    let figures =
+        figures.map(|path| OutputFolder::open_for(path, "localize", &[PATHS, ERRORS, CERTAINTY])).transpose()?;
     let model = LocalizationModel::new(&map, parameters)?;
     let wanted = windows.len();
     let trials = all_trials(arguments, console, &model, &recording, &beams, windows)?;
+    let used = model.parameters.calibration.clone().unwrap_or_else(|| Calibration::new(&[]));
+    let findings = Findings::of(&trials, &used);
     if let Some(mut folder) = figures {
         folder.draw(PATHS, &figure::paths(&map, &trials))?;
         folder.draw(ERRORS, &figure::errors(&trials))?;
+        folder.draw(CERTAINTY, &chart::reliability(&findings.certainty.bins))?;
     }
     if arguments.json {
-        console.print(&table::json(&trials))?;
+        console.print(&table::json(&trials, &findings))?;
     } else {
-        console.block(&Block::Lines(table::summary(&trials, start(arguments))))?;
+        table::summary(&findings, start(arguments)).iter().try_for_each(|block| console.block(block))?;
     }
     if trials.len() < wanted {
         console.note(&format!("interrupted: {} of {wanted} windows are done", trials.len()));
@@ -91,6 +104,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 /// Names of the figures.
 const PATHS: &str = "paths.svg";
 const ERRORS: &str = "errors.svg";
+const CERTAINTY: &str = "certainty.svg";
 
 fn read_log(arguments: &Arguments) -> Result<Recording> {
     let name = arguments.log.display();
@@ -147,13 +161,22 @@ fn start(arguments: &Arguments) -> TrialStart {
     if arguments.from_truth { TrialStart::FromTruth } else { TrialStart::Uniform }
 }
 
-fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Window>> {
+/// The windows of one phase after the other, so that whatever is done of them is spread over the drive.
+fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Placed>> {
     let count = arguments.windows.map(|count| count as usize);
     match (start(arguments), count) {
-        (TrialStart::FromTruth, None) => Ok(vec![Window::whole(recording)]),
+        (TrialStart::FromTruth, None) if arguments.phases > 1 => {
+            bail!("with --from-truth there is one window, the whole drive; `--phases` needs `--windows`")
+        }
+        (TrialStart::FromTruth, None) => Ok(vec![Placed { phase: 0.0, window: Window::whole(recording) }]),
         (_, count) => {
             let count = count.unwrap_or(arguments::WINDOWS);
-            Ok(Window::spread(recording, count, arguments.window_length, arguments.phase)?)
+            let mut placed = Vec::new();
+            for phase in arguments.all_phases() {
+                let windows = Window::spread(recording, count, arguments.window_length, phase)?;
+                placed.extend(windows.into_iter().map(|window| Placed { phase, window }));
+            }
+            Ok(placed)
         }
     }
 }
@@ -183,23 +206,31 @@ fn all_trials(
     model: &LocalizationModel,
     recording: &Recording,
     beams: &BeamChoice,
-    windows: Vec<Window>,
+    windows: Vec<Placed>,
 ) -> Result<Vec<Timed>> {
     let _ends_with_this = interrupt::ends_experiment();
-    let scans: usize = windows.iter().map(|window| window.scans.len()).sum();
+    let scans: usize = windows.iter().map(|placed| placed.window.scans.len()).sum();
     let bar = progress::bar(scans as u64, "{bar:30} {pos}/{len} scans {eta}", console);
     let table = table::table();
-    let mut tell = |line: String| if arguments.json { Ok(()) } else { bar.suspend(|| console.say(&line)) };
+    let mut tell = |line: String| {
+        bar.suspend(|| match arguments.json {
+            true => {
+                console.note(&line);
+                Ok(())
+            }
+            false => console.say(&line),
+        })
+    };
     tell(table.head_text())?;
     let mut trials = Vec::with_capacity(windows.len());
-    for (index, window) in windows.into_iter().enumerate() {
+    for (index, Placed { phase, window }) in windows.into_iter().enumerate() {
         let began = Instant::now();
         let after_scan = || {
             bar.inc(1);
             if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let Some(trial) = localize(model, recording, beams, &window, start(arguments), after_scan) else { break };
-        let timed = Timed { window, trial, wall_s: began.elapsed().as_secs_f64() };
+        let timed = Timed { phase, window, trial, wall_s: began.elapsed().as_secs_f64() };
         tell(table.row_text(&table::row(index, &timed)))?;
         trials.push(timed);
     }

@@ -1,7 +1,7 @@
 //! Charts as SVG: lines with their 95 % intervals, told apart by colour and by dashes.
 
-use super::calibration::Bin;
 use super::over_time::OverTime;
+use super::reliability::Bin;
 use super::samples::{EVERY_S, POINTS};
 use super::statistics::{Proportion, Summary};
 use crate::drawing::palette::{self, SERIES};

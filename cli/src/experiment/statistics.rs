@@ -35,6 +35,12 @@ impl Dispersion {
     }
 }
 
+/// The number that so large a share of some others does not exceed, given in order; none of nothing.
+pub fn quantile(ordered: &[f64], share: f64) -> Option<f64> {
+    let nearest = (ordered.len() as f64 * share).ceil() as usize;
+    ordered.get(nearest.saturating_sub(1)).copied()
+}
+
 /// How many of some runs, and what that says of the true rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Proportion {
@@ -296,6 +302,14 @@ mod tests {
         assert!(low == 0.0 && (high + 0.025f64.ln()).abs() < 1e-9);
         let (low, high) = poisson_95(10);
         assert!((low - 4.795).abs() < 1e-3 && (high - 18.390).abs() < 1e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn a_quantile_is_the_first_that_so_many_do_not_exceed() {
+        let ordered: Vec<f64> = (1..=20).map(f64::from).collect();
+        let at = |share: f64| quantile(&ordered, share);
+        assert_eq!([at(0.0), at(0.05), at(0.5), at(0.95), at(1.0)], [1.0, 1.0, 10.0, 19.0, 20.0].map(Some));
+        assert_eq!(quantile(&[], 0.5), None);
     }
 
     #[test]

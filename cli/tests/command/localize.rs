@@ -76,15 +76,29 @@ fn a_recorded_drive_is_found_fitted_and_drawn() {
     let fit = run_in(&folder, &[&DRIVE[..], &["--fit", "laser.json"]].concat());
     assert_eq!(fit.status, 0, "{}", fit.errors);
     assert!(fit.out.contains("depth of walls"), "{}", fit.out);
-    let windows = ["--windows", "2", "--window-length", "5", "--json"];
+    let windows = ["--windows", "2", "--window-length", "5", "--phases", "2", "--json"];
     let all = [&DRIVE[..], &windows, &["--parameters", "laser.json", "--figures", "figures"]].concat();
     let found = run_in(&folder, &all);
     assert_eq!(found.status, 0, "{}", found.errors);
     let results: Value = serde_json::from_str(&found.out).expect("JSON");
-    assert_eq!((&results["found"], &results["of"]), (&2.into(), &2.into()));
+    assert_eq!((&results["found"]["count"], &results["found"]["of"]), (&4.into(), &4.into()));
+    let starts: Vec<[Option<f64>; 2]> = results["windows"]
+        .as_array()
+        .expect("windows")
+        .iter()
+        .map(|window| ["phase", "start_m"].map(|key| window[key].as_f64()))
+        .collect();
+    assert_eq!(starts.iter().map(|start| start[0]).collect::<Vec<_>>(), [0.5, 0.5, 0.0, 0.0].map(Some));
+    assert_eq!(starts[2][1], Some(0.0));
+    // The rows go where they are no part of the JSON.
+    assert_eq!(found.errors.lines().filter(|line| line.contains(" yes ")).count(), 4, "{}", found.errors);
     assert!(results["while_found"]["position_m"]["mean"].as_f64().is_some_and(|mean_m| mean_m < 0.1), "{results}");
     assert_eq!(keys::found(&results), keys::documented("rpl localize"));
-    for (name, part) in [("paths.svg", "true-path"), ("errors.svg", "heading off [°]")] {
+    for (name, part) in [
+        ("paths.svg", "true-path"),
+        ("errors.svg", "heading off [°]"),
+        ("certainty.svg", "How often the position is right"),
+    ] {
         let drawing = text_in(&folder.join("figures"), name);
         assert!(drawing.contains(part), "{name}");
     }
@@ -168,6 +182,10 @@ fn what_is_wrong_with_a_recording_is_told_and_nothing_is_written() {
         ([&DRIVE[..], &["--beams", "500"]].concat(), "500 beams are more than the scan has"),
         ([&DRIVE[..], &["--memory", "0.001"]].concat(), "more than the 0.0 GiB of --memory"),
         ([&DRIVE[..], &["--window-length", "100"]].concat(), "a window of 100 m does not fit into a path of"),
+        (
+            [&DRIVE[..], &["--from-truth", "--phases", "2"]].concat(),
+            "with --from-truth there is one window, the whole drive; `--phases` needs `--windows`",
+        ),
         ([&DRIVE[..], &["--parameters", "room.pgm"]].concat(), "cannot read the parameters `room.pgm`"),
         ([&DRIVE[..], &["--parameters", "map.yaml"]].concat(), "`map.yaml` is no file of parameters"),
     ] {

@@ -149,7 +149,9 @@ impl Localization {
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
             self.support = 0.0;
         }
-        let last = self.fix.map(|fix| fix.advanced(since, &model.parameters.odometry));
+        // Odometry that may be badly wrong would lead the next fix astray.
+        let last = self.fix.filter(|_| model.parameters.faults.is_none());
+        let last = last.map(|fix| fix.advanced(since, &model.parameters.odometry));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
         self.take_fix();
         self.updated_at_in_odom = Some(odometry_in_odom);

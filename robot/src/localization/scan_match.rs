@@ -71,8 +71,8 @@ impl LocalizationModel {
     /// full 3D motion estimation", 2011, match scans to a grid map) finds where inside it the robot is.
     /// Each difference is taken across the surface and weighted by Geman and McClure's kernel, so that
     /// people and furniture count for little, and tempered as the scan is. The prior is the last pose found
-    /// this way, carried on by odometry, as long as the mode is near it; else the mode. Along a bare wall
-    /// it alone tells. Costs twelve rays for each beam.
+    /// this way, carried on by odometry, as long as the mode is near it and odometry is never badly wrong;
+    /// else the mode. Along a bare wall it alone tells. Costs twelve rays for each beam.
     pub(super) fn matched(&self, mode_in_map: Pose, last: Option<Fix>, scans_m: &[Option<&[f32]>]) -> Option<Fix> {
         let scans = self.sensors.iter().zip(scans_m);
         let scans: Vec<(&ScanModel, &[f32])> = scans

@@ -3,6 +3,10 @@
 use super::drive::{LogError, Scan};
 use crate::geometry::{Pose, wrap_angle_rad};
 
+/// Poses nearer than this, in each of their numbers, are one pose that was written down with more or fewer digits.
+const SAME_M: f64 = 1e-3;
+const SAME_RAD: f64 = 1e-3;
+
 /// A scan as a log has it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Reckoned {
@@ -16,6 +20,13 @@ pub(super) struct Reckoned {
     pub robot_in_odom: Pose,
     /// When it was taken, if that is known.
     pub stamp_s: Option<f64>,
+}
+
+/// Whether two poses are one.
+fn is_same(one: Pose, other: Pose) -> bool {
+    let near = |a_m: f64, b_m: f64| libm::fabs(a_m - b_m) <= SAME_M;
+    let turned_rad = libm::fabs(wrap_angle_rad(one.heading_rad - other.heading_rad));
+    near(one.x_m, other.x_m) && near(one.y_m, other.y_m) && turned_rad <= SAME_RAD
 }
 
 /// The odometry of messages between the scans.
@@ -38,7 +49,7 @@ impl DeadReckoning {
     /// There are no messages where they are needed, or none at the time of two scans.
     pub(super) fn scans(mut self, read: Vec<Reckoned>, laser_in_base: Pose) -> Result<Vec<Scan>, LogError> {
         let first_line = read.first().map(|scan| scan.line);
-        let is_own = read.iter().any(|scan| scan.robot_in_odom != scan.laser_in_map);
+        let is_own = !read.iter().all(|scan| is_same(scan.robot_in_odom, scan.laser_in_map));
         if !is_own && self.poses.is_empty() {
             return Err(LogError {
                 line: first_line,

@@ -107,6 +107,8 @@ fn odometry_that_is_the_corrected_pose_is_that_of_the_messages_between() {
     let scans = scan(0.0, 0.0, 0.5) + &scan(1.0, 1.0, 1.25) + &scan(2.0, 2.0, 9.0);
     let error = read(&scans).expect_err("told what it is to find").to_string();
     assert!(error.starts_with("line 1: the odometry of this scan, as of all others, is the corrected pose"), "{error}");
+    let rounded = scan(0.0, 0.0, 0.5) + &scan(1.0004, 1.0, 1.25) + &scan(2.0003, 2.0, 9.0);
+    assert!(read(&rounded).is_err(), "the same poses with fewer digits");
     let odom = |x_m: f64, heading_rad: f64, time_s: f64| format!("ODOM {x_m} 7 {heading_rad} 0 0 0 {time_s} host 0\n");
     // The heading goes through ±π; the last scan was taken when no message came any more.
     let recording = read(&(scans.clone() + &odom(40.0, 3.1, 0.5) + &odom(42.0, -3.1, 1.5))).expect("a fine log");

@@ -35,6 +35,10 @@ pub struct Arguments {
     /// tuning than for reporting
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
     pub phase: f64,
+    /// How many times the windows are run, each time with starts shifted by an N-th of the way from one to
+    /// the next, going round from --phase; windows of different phases overlap
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub phases: u32,
     /// Nothing is known at the start of a window; this is the default
     #[arg(long, conflicts_with = "from_truth")]
     pub uniform: bool,
@@ -56,7 +60,7 @@ pub struct Arguments {
     /// Fits sensor and odometry to the drive and writes the parameters into this file
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["figures", "json", "from_truth", "uniform"])]
     pub fit: Option<PathBuf>,
-    /// Draws map and paths, and the errors over the way, into this folder
+    /// Draws map and paths, the errors over the way, and what the certainty is worth, into this folder
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
     /// Writes the results as JSON
@@ -77,6 +81,16 @@ pub enum End {
 }
 
 impl Arguments {
+    /// The phases of the windows, from --phase on and around.
+    pub fn all_phases(&self) -> Vec<f64> {
+        let around = |turn: u32| {
+            let phase = (self.phase + f64::from(turn) / f64::from(self.phases)).fract();
+            // As people write it.
+            (phase * 1e9).round() / 1e9
+        };
+        (0..self.phases).map(around).collect()
+    }
+
     /// What a log does not say about its laser.
     pub fn laser(&self) -> LaserMount {
         let first = match self.first_reading {

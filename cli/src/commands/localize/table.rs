@@ -1,7 +1,10 @@
 //! What the trials showed, as text.
 
 use super::Timed;
-use crate::experiment::statistics::{Dispersion, Proportion};
+use super::findings::{Certainty, Errors, Findings, Phase, Spread};
+use crate::experiment::reliability::{self, SURE};
+use crate::experiment::statistics::Proportion;
+use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
 use rpl_robot::localization::{BeamParameters, OdometryError};
 use rpl_robot::recording::{PoseError, TrialStart};
@@ -30,72 +33,83 @@ pub fn row(index: usize, timed: &Timed) -> [String; 8] {
 }
 
 /// What the windows have in common.
-pub fn summary(trials: &[Timed], start: TrialStart) -> String {
-    let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
+pub fn summary(findings: &Findings, start: TrialStart) -> Vec<Block> {
+    let mut blocks = vec![Block::Lines(found(findings, start).join("\n"))];
+    blocks.extend(findings.while_found.as_ref().map(|errors| Block::Table(errors_table(errors))));
+    blocks.push(Block::Lines(sure(findings)));
+    let certainty = &findings.certainty;
+    if !certainty.bins.is_empty() {
+        blocks.push(Block::Table(reliability::table(&certainty.bins)));
+    }
+    blocks.push(Block::Lines(worth(certainty)));
+    blocks
+}
+
+fn found(findings: &Findings, start: TrialStart) -> Vec<String> {
     let what = match start {
         TrialStart::Uniform => "found",
         TrialStart::FromTruth => "kept",
     };
-    let mut lines = vec![format!("{what} {}", Proportion::new(found, trials.len()).sentence())];
-    lines.extend(errors(trials).map(|errors| {
-        format!(
-            "while found: position mean {:.3} m, median {:.3} m; heading mean {:.2}°, median {:.2}° ({} scans)",
-            errors.position_m.mean,
-            errors.position_m.median,
-            errors.heading_deg.mean,
-            errors.heading_deg.median,
-            errors.scans
-        )
-    }));
-    let wrong = wrong_while_sure(trials);
-    let interval = wrong.interval();
-    lines.push(match wrong.rate {
+    let Proportion { count, of, rate, .. } = findings.found;
+    let rate = rate.map_or(String::new(), |rate| format!("{:.1} %, ", 100.0 * rate));
+    let interval = findings.found.interval();
+    let mut lines = vec![format!("{what} {count} of {of}: {rate}95 % interval {interval} by stretches of the drive")];
+    if let [_, _, ..] = findings.phases[..] {
+        let phase = |Phase { phase, found, of }: &Phase| format!("{phase}: {found} of {of}");
+        let phases: Vec<String> = findings.phases.iter().map(phase).collect();
+        lines.push(format!("by phases: {}", phases.join(", ")));
+    }
+    lines
+}
+
+fn errors_table(errors: &Errors) -> Table {
+    let mut table = Table::new(&["while found", "scans", "mean", "median", "95 %", "most"]);
+    for (name, Spread { mean, median, percentile_95, max }, decimals) in
+        [("position [m]", errors.position_m, 3), ("heading [°]", errors.heading_deg, 2)]
+    {
+        let numbers = [mean, median, percentile_95, max].map(|number| format!("{number:.decimals$}"));
+        table.row([name.to_string(), errors.scans.to_string()].into_iter().chain(numbers));
+    }
+    table
+}
+
+fn sure(findings: &Findings) -> String {
+    let wrong = &findings.wrong_while_sure;
+    match wrong.rate {
         Some(rate) => format!(
-            "certainty of 0.9 and above: {} of {} scans, wrong after {} of them: {:.2} %, 95 % interval {interval} by \
-             windows",
+            "certainty of 0.9 and above: {} of {} scans, wrong after {} of them: {:.2} %, 95 % interval {} by stretches \
+             of the drive",
             wrong.of,
-            scans(trials),
+            findings.scans,
             wrong.count,
-            100.0 * rate
+            100.0 * rate,
+            wrong.interval()
         ),
         None => "certainty of 0.9 and above: never".to_string(),
-    });
+    }
+}
+
+fn worth(certainty: &Certainty) -> String {
+    let right = &certainty.right_at_099;
+    let rate = right.rate.map_or(String::new(), |rate| format!(", right after {:.2} % of them", 100.0 * rate));
+    let mut lines = vec![format!("at {SURE} and above: {} scans{rate}", right.of)];
+    if !certainty.bins.is_empty() {
+        lines.push(format!("largest error of a bin {:.3}", certainty.largest_error));
+    }
+    lines.push("share of the belief and how often it is right, fitted to these scans:".to_string());
+    lines.push(reliability::knots_text(&certainty.fitted));
     lines.join("\n")
 }
 
-fn scans(trials: &[Timed]) -> usize {
-    trials.iter().map(|timed| timed.trial.errors.len()).sum()
-}
-
-/// How often the filter was wrong when it was sure; scans of a window are wrong together.
-fn wrong_while_sure(trials: &[Timed]) -> Proportion {
-    let windows = trials.iter().map(|timed| timed.trial.sure_and_wrong()).filter(|(sure, _)| *sure > 0);
-    Proportion::in_groups(&windows.map(|(sure, wrong)| (wrong, sure)).collect::<Vec<_>>())
-}
-
-/// The errors while the estimate was right.
-struct Errors {
-    scans: usize,
-    position_m: Dispersion,
-    heading_deg: Dispersion,
-}
-
-fn errors(trials: &[Timed]) -> Option<Errors> {
-    let found: Vec<&PoseError> = trials.iter().flat_map(|timed| timed.trial.errors_once_found()).collect();
-    let positions_m: Vec<f64> = found.iter().map(|error| error.position_m()).collect();
-    let headings_deg: Vec<f64> = found.iter().map(|error| error.heading_rad().to_degrees()).collect();
-    let (position_m, heading_deg) = (Dispersion::of(&positions_m)?, Dispersion::of(&headings_deg)?);
-    Some(Errors { scans: found.len(), position_m, heading_deg })
-}
-
 /// The same as JSON.
-pub fn json(trials: &[Timed]) -> String {
+pub fn json(trials: &[Timed], findings: &Findings) -> String {
     let windows: Vec<Value> = trials
         .iter()
         .map(|timed| {
             let last = timed.trial.errors.last();
             let (sure, wrong) = timed.trial.sure_and_wrong();
             json!({
+                "phase": timed.phase,
                 "start_m": timed.window.start_m,
                 "length_m": timed.window.length_m,
                 "scans": timed.window.scans.len(),
@@ -110,23 +124,9 @@ pub fn json(trials: &[Timed]) -> String {
             })
         })
         .collect();
-    let spread = |spread: Dispersion| json!({ "mean": spread.mean, "median": spread.median, "max": spread.max });
-    let while_found = errors(trials).map(|errors| {
-        json!({
-            "scans": errors.scans,
-            "position_m": spread(errors.position_m),
-            "heading_deg": spread(errors.heading_deg),
-        })
-    });
-    let found = trials.iter().filter(|timed| timed.trial.succeeded).count();
-    json!({
-        "windows": windows,
-        "found": found,
-        "of": trials.len(),
-        "while_found": while_found,
-        "wrong_while_sure": wrong_while_sure(trials),
-    })
-    .to_string()
+    let mut whole = json!(findings);
+    whole["windows"] = windows.into();
+    whole.to_string()
 }
 
 /// Fitted parameters.
