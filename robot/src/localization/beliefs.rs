@@ -21,11 +21,11 @@ const MOST_ASLEEP: f64 = 0.5;
 /// The scan of one sensor as it is heard.
 #[derive(Clone, Debug)]
 pub(super) struct Heard {
-    /// What the fine belief takes in: without the readings that are left out.
+    /// As measured.
+    pub whole: BinnedScan,
+    /// Without the readings that are left out.
     pub gated: BinnedScan,
-    /// What the coarse belief takes in.
-    pub watched: BinnedScan,
-    /// Whether people stand around.
+    /// Whether they were left out because people stand around.
     pub is_crowd: bool,
 }
 
@@ -146,12 +146,13 @@ impl Beliefs {
 
     /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before.
     ///
-    /// What is left out because it is short at the mode, the coarse belief hears all the same: who left it out there as
-    /// well could not object to a wrong pose. Where people stand around it hears by a beam to which people are likely.
+    /// Where readings are taken for people, the coarse belief hears the whole scan, with a beam to which people are
+    /// likely: who left out there what the fine one takes for people could not object to a wrong pose.
     pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, heard: Vec<Heard>, updates: u64) {
         let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.is_crowd).collect();
-        let (watched, gated): (Vec<BinnedScan>, Vec<BinnedScan>) =
-            heard.into_iter().map(|scan| (scan.watched, scan.gated)).unzip();
+        let (watched, gated): (Vec<BinnedScan>, Vec<BinnedScan>) = (heard.into_iter())
+            .map(|Heard { whole, gated, is_crowd }| (if is_crowd { whole } else { gated.clone() }, gated))
+            .unzip();
         let from_in_map = self.mode.pose_in_map;
         if !self.is_led_by_coarse {
             self.fine.sense_after_motion(model, motion, &gated);
@@ -159,8 +160,6 @@ impl Beliefs {
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             let hears_all = self.is_led_by_coarse || self.fine.is_adrift(model);
-            let mode_in_map = self.mode.pose_in_map;
-            let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &watched) };
             let scans = if hears_all { watched } else { in_turn(&watched, updates) };
             // What the fine belief would count a scan for.
             let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
@@ -168,6 +167,8 @@ impl Beliefs {
                 |sensor| if hears_all { tempering(model, sensor) / tempering(coarse_model, sensor) } else { 1.0 };
             let weighing = |(sensor, is_crowd)| Weighing { power: power(sensor), is_crowd };
             let weighings = is_crowd.into_iter().enumerate().map(weighing).collect();
+            let mode_in_map = self.mode.pose_in_map;
+            let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &gated) };
             let update = Update { from_in_map, motion, scans, weighings, sightings: Vec::new() };
             watcher.hear(coarse_model, update, misfit);
         }

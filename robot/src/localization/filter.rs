@@ -2,7 +2,7 @@
 
 use super::belief::Belief;
 use super::beliefs::{Beliefs, Heard};
-use super::gating::{LastScans, leave_out_confusing, leave_out_novel, leave_out_short};
+use super::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
@@ -66,8 +66,8 @@ pub struct Localization {
     rest: Rest,
     /// The pose found by the last scans, if one was.
     fix: Option<Fix>,
-    /// What the scans told of the mode.
-    last: LastScans,
+    /// How far the readings that are not short have borne the mode out, in nats.
+    support: f64,
     /// Updates so far.
     updates: u64,
     /// How many of them there were when landmarks were seen last.
@@ -93,7 +93,7 @@ impl Localization {
             last_scans_m: vec![None; model.sensors.len()],
             rest: Rest::default(),
             fix: None,
-            last: LastScans::default(),
+            support: 0.0,
             updates: 0,
             seen_at: None,
         }
@@ -108,7 +108,7 @@ impl Localization {
     /// Gives up all of the belief: what it says has been refuted, and a share of it would only lead
     /// back there.
     pub fn refute(&mut self, model: &LocalizationModel) {
-        self.last.support = 0.0;
+        self.support = 0.0;
         self.mix(model, 1.0);
     }
 
@@ -147,7 +147,7 @@ impl Localization {
         let heard = self.heard(model, predicted_in_map, scans_m);
         self.beliefs.sense(model, since, heard, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
-            self.last.support = 0.0;
+            self.support = 0.0;
         }
         // Odometry that may be badly wrong would lead the next fix astray.
         let last = self.fix.filter(|_| model.parameters.faults.is_none());
@@ -237,8 +237,7 @@ impl Localization {
     /// The bins of the scans, and which of them gating leaves out; the belief has been moved.
     fn heard(&mut self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<Heard> {
         let scans = model.binned(scans_m).into_iter();
-        let mut heard: Vec<Heard> =
-            scans.map(|whole| Heard { gated: whole.clone(), watched: whole, is_crowd: false }).collect();
+        let mut heard: Vec<Heard> = scans.map(|whole| Heard { gated: whole.clone(), whole, is_crowd: false }).collect();
         let (belief, leading) = self.beliefs.leading(model);
         for (sensor, (heard, ranges_m)) in heard.iter_mut().zip(scans_m).enumerate() {
             let scan = &mut heard.gated;
@@ -251,16 +250,12 @@ impl Localization {
                         let expected = model.expected_scan(sensor, state);
                         let (tables, mass) = (&model.sensors[sensor], self.beliefs.mode.mass);
                         heard.is_crowd =
-                            leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.last, scan);
+                            leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.support, scan);
                     }
                 }
-                Gating::Entropy => {
-                    leave_out_confusing(belief, leading, sensor, scan);
-                    heard.watched.clone_from(&heard.gated);
-                }
+                Gating::Entropy => leave_out_confusing(belief, leading, sensor, scan),
                 Gating::Novelty { most_probable } => {
                     leave_out_novel(*most_probable, belief, leading, sensor, scan);
-                    heard.watched.clone_from(&heard.gated);
                 }
             }
         }

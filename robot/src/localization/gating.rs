@@ -5,7 +5,6 @@ use super::model::LocalizationModel;
 use super::scan::ScanModel;
 use super::scan_parameters::ShortReadings;
 use super::sensor::{BINS, BinnedScan};
-use serde::{Deserialize, Serialize};
 
 /// How much likelier a reading that is not short is at the right pose than elsewhere, as a logarithm, if it fits, comes
 /// from farther, or is missed: as if of such readings 70, 6 and 24 % were so at the right pose, and 30, 40 and 30 %
@@ -23,30 +22,17 @@ const MOST_AGAINST: f64 = 0.3;
 /// of what was believed, so that a false alarm heals in place.
 const LEAST_IN_CROWD: f64 = 0.05;
 
-/// How much the last scan counts for in the mean number of short readings.
-const SHORT_GAIN: f64 = 0.3;
-
-/// What the last scans have told of the estimated pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct LastScans {
-    /// How far the readings that are not short have borne it out, in nats.
-    pub support: f64,
-    /// How many are short in the mean.
-    pub short: f64,
-}
-
 /// Leaves out readings that are clearly shorter than expected at the estimated pose: while they are few, and where
 /// people stand around. Many short readings speak against a pose and not for people, unless the other ones have borne
 /// it out, scan by scan (Wald's sequential ratio of likelihoods, bounded): that is its support. `certainty` is the share
-/// of the belief at the pose. Returns whether people stand around: they are many now, and left out, or few for the
-/// moment.
+/// of the belief at the pose. Returns whether it was for people.
 pub(super) fn leave_out_short(
     short: &ShortReadings,
     sensor: &ScanModel,
     expected: &[u8],
     ranges_m: &[f32],
     certainty: f64,
-    last: &mut LastScans,
+    support: &mut f64,
     scan: &mut BinnedScan,
 ) -> bool {
     let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
@@ -60,16 +46,15 @@ pub(super) fn leave_out_short(
         true => LOG_RATIOS[2],
     });
     let gained = ratios.sum::<f64>() * sensor.parameters.tempering;
-    last.support = (last.support + gained).clamp(-MOST_SUPPORT, MOST_SUPPORT);
-    last.short += SHORT_GAIN * (short_by_m(short.crowd_margin_m).count() as f64 - last.short);
+    *support = (*support + gained).clamp(-MOST_SUPPORT, MOST_SUPPORT);
     let count = short_by_m(short.margin_m).count();
     if count <= short.max_readings {
         if certainty >= short.min_certainty {
             short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
         }
-        return last.short > short.max_readings as f64;
+        return false;
     }
-    let is_crowd = certainty >= LEAST_IN_CROWD && last.support > 0.0 && gained > -MOST_AGAINST;
+    let is_crowd = certainty >= LEAST_IN_CROWD && *support > 0.0 && gained > -MOST_AGAINST;
     if is_crowd {
         if read.len() - count < short.crowd_least {
             scan.fill(None);

@@ -269,8 +269,8 @@ pub struct ShortReadings {
     pub crowd_margin_m: f64,
     /// A scan of a crowd with fewer readings than this that are not short says nothing.
     pub crowd_least: usize,
-    /// Weight of the geometric density in a crowd, beside the weights of [`BeamParameters`], for the coarse belief: it
-    /// hears whole scans, so that a pose that explains all of them gains on one where most of them must be people.
+    /// Weight of the geometric density in a crowd, beside the weights of [`BeamParameters`]: there the coarse belief
+    /// hears the whole scan, so that a pose that explains all of it gains on one where most of it must be people.
     pub crowd_short: f64,
     /// Below this certainty nothing is left out, unless it is a crowd.
     pub min_certainty: f64,

@@ -1,7 +1,7 @@
 //! Readings that are left out because they may have measured people.
 
 use super::*;
-use crate::localization::gating::{LastScans, leave_out_confusing, leave_out_novel, leave_out_short};
+use crate::localization::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
 use crate::localization::sensor::BinnedScan;
 
 /// A belief around a pose, in full view of all states.
@@ -103,24 +103,24 @@ fn short_readings_are_left_out_where_the_others_have_fitted_and_count_where_they
     // In the middle of the room, where walls are far enough for somebody to stand before them.
     let expected = model.expected_scan(0, model.state_at(Pose::new(2.5, 2.1, 0.3)).expect("on the map"));
     // Half of the readings are short; the others are off by so much.
-    let left_out = |others_m: f64, certainty: f64, last: &mut LastScans| {
+    let left_out = |others_m: f64, certainty: f64, support: &mut f64| {
         let range_m = |(beam, &bin): (usize, &u8)| {
             let off_m = if beam % 2 == 0 { -1.0 } else { others_m };
             (sensor.likelihood.range_m(bin) + off_m) as f32
         };
         let ranges_m: Vec<f32> = expected.iter().enumerate().map(range_m).collect();
         let mut scan = sensor.likelihood.scan(&ranges_m);
-        leave_out_short(&short, sensor, &expected, &ranges_m, certainty, last, &mut scan);
+        leave_out_short(&short, sensor, &expected, &ranges_m, certainty, support, &mut scan);
         scan.iter().filter(|bin| bin.is_none()).count()
     };
-    let mut last = LastScans::default();
+    let mut support = 0.0;
     for _ in 0..10 {
-        assert_eq!(left_out(0.1, 0.9, &mut last), 12);
+        assert_eq!(left_out(0.1, 0.9, &mut support), 12);
     }
     // Carried elsewhere: within two scans everything counts, and goes on to count.
-    let elsewhere: Vec<usize> = (0..6).map(|_| left_out(0.8, 0.9, &mut last)).collect();
+    let elsewhere: Vec<usize> = (0..6).map(|_| left_out(0.8, 0.9, &mut support)).collect();
     assert_eq!(elsewhere[1..], [0; 5]);
     // Of a pose that is as good as given up nothing is left out, whatever fits.
-    let mut last = LastScans::default();
-    assert_eq!([left_out(0.1, 0.01, &mut last), left_out(0.1, 0.1, &mut last)], [0, 12]);
+    let mut support = 0.0;
+    assert_eq!([left_out(0.1, 0.01, &mut support), left_out(0.1, 0.1, &mut support)], [0, 12]);
 }
