@@ -7,7 +7,8 @@ use rpl_benches::{Question, Report, least_ms};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
 use rpl_robot::localization::{
-    Belief, Instructions, LocalizationModel, LocalizationParameters, ScanModel, ScanParameters, Spread, State,
+    Belief, Instructions, Localization, LocalizationModel, LocalizationParameters, ScanModel, ScanParameters, Spread,
+    State,
 };
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
 use std::hint::black_box;
@@ -17,6 +18,17 @@ const STATES: usize = 7_200_000;
 const BEAMS: f64 = 24.0;
 
 type Ranges = Vec<f32>;
+
+/// So many departments along x and y, side by side.
+fn departments(times: usize) -> OccupancyGrid {
+    let one = department();
+    let (columns, rows) = (one.columns * times, one.rows * times);
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), one.resolution_m, columns, rows, Cell::Free);
+    for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
+        map.set(column, row, one.get(column % one.columns, row % one.rows));
+    }
+    map
+}
 
 /// A department of 30 × 30 m: a corridor through the middle, rooms with doors on both sides, and
 /// furniture everywhere.
@@ -122,6 +134,7 @@ fn main() {
         full_updates(&report, &full, names, two_ms);
     }
     selective(&report, &full);
+    tracked(&report);
 }
 
 /// Names and targets of the rows for one set of instructions.
@@ -291,6 +304,43 @@ fn selective(report: &Report, full: &LocalizationModel) {
     });
     let what = "the same, after all 20 steps beside a filter that never sleeps";
     report.row(Question::new("drift", what, "", 1e-3, "not said in the paper"), || apart.1);
+}
+
+/// The whole filter of a robot that knows where it is, while the coarse belief sleeps and while it is awake.
+fn tracked(report: &Report) {
+    let known = Spread::default();
+    let doubted = Spread { position_m: 0.5, heading_rad: 0.1 };
+    let rows = [
+        ("tracked-30", "localized, the whole filter: 30 × 30 m", 0.2, 1, known),
+        ("tracked-90", "the same: 90 × 90 m", 0.2, 3, known),
+        ("tracked-180", "the same: 180 × 180 m", 0.2, 6, known),
+        ("watched-30", "the same while the coarse belief is awake: 30 × 30 m", 0.8, 1, doubted),
+    ];
+    for (name, what, target, times, spread) in rows {
+        report.row(Question::new(name, what, "ms", target, "–"), || {
+            let model = match LocalizationModel::new(&departments(times), LocalizationParameters::default()) {
+                Ok(model) => model,
+                Err(error) => panic!("{error}"),
+            };
+            let (start, steps) = drive(&model, 30);
+            let begun = Localization::start_at(&model, start, spread);
+            let tracked = std::cell::RefCell::new(begun.clone());
+            let begin = || *tracked.borrow_mut() = begun.clone();
+            let ms = on(1, || {
+                least_ms(RUNS, true, begin, || {
+                    let mut odometry = Pose::default();
+                    for (motion, scan) in &steps {
+                        odometry = odometry.compose(*motion);
+                        tracked.borrow_mut().observe(&model, odometry, &[Some(scan)]);
+                    }
+                })
+            });
+            let truth = steps.iter().fold(start, |pose, (motion, _)| pose.compose(*motion));
+            let estimate = tracked.borrow().estimate(&model);
+            assert!(estimate.pose_in_map.distance_m(truth) < 0.15 && estimate.certainty > 0.9, "{estimate:?}");
+            ms / steps.len() as f64
+        });
+    }
 }
 
 /// The papers' layout: `[cell][heading]`, distances `[cell][direction]`, likelihoods as floats.

@@ -150,9 +150,10 @@ impl Beliefs {
     /// likely: who left out there what the fine one takes for people could not object to a wrong pose.
     pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, heard: Vec<Heard>, updates: u64) {
         let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.is_crowd).collect();
-        let (watched, gated): (Vec<BinnedScan>, Vec<BinnedScan>) = (heard.into_iter())
-            .map(|Heard { whole, gated, is_crowd }| (if is_crowd { whole } else { gated.clone() }, gated))
-            .unzip();
+        let watched = |heard: &Heard| if heard.is_crowd { heard.whole.clone() } else { heard.gated.clone() };
+        let watched: Vec<BinnedScan> = heard.iter().map(watched).collect();
+        let (whole, gated): (Vec<BinnedScan>, Vec<BinnedScan>) =
+            heard.into_iter().map(|heard| (heard.whole, heard.gated)).unzip();
         let from_in_map = self.mode.pose_in_map;
         if !self.is_led_by_coarse {
             self.fine.sense_after_motion(model, motion, &gated);
@@ -168,7 +169,8 @@ impl Beliefs {
             let weighing = |(sensor, is_crowd)| Weighing { power: power(sensor), is_crowd };
             let weighings = is_crowd.into_iter().enumerate().map(weighing).collect();
             let mode_in_map = self.mode.pose_in_map;
-            let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &gated) };
+            // What is left out counts here as well: it may tell of a wrong pose.
+            let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &whole) };
             let update = Update { from_in_map, motion, scans, weighings, sightings: Vec::new() };
             watcher.hear(coarse_model, update, misfit);
         }
