@@ -324,19 +324,20 @@ fn tracked(report: &Report) {
             };
             let (start, steps) = drive(&model, 30);
             let begun = Localization::start_at(&model, start, spread);
-            let tracked = std::cell::RefCell::new(begun.clone());
-            let begin = || *tracked.borrow_mut() = begun.clone();
-            let ms = on(1, || {
-                least_ms(RUNS, true, begin, || {
+            let (ms, tracked) = on(1, || {
+                let tracked = std::cell::RefCell::new(begun.clone());
+                let begin = || *tracked.borrow_mut() = begun.clone();
+                let ms = least_ms(RUNS, true, begin, || {
                     let mut odometry = Pose::default();
                     for (motion, scan) in &steps {
                         odometry = odometry.compose(*motion);
                         tracked.borrow_mut().observe(&model, odometry, &[Some(scan)]);
                     }
-                })
+                });
+                (ms, tracked.into_inner())
             });
             let truth = steps.iter().fold(start, |pose, (motion, _)| pose.compose(*motion));
-            let estimate = tracked.borrow().estimate(&model);
+            let estimate = tracked.estimate(&model);
             assert!(estimate.pose_in_map.distance_m(truth) < 0.15 && estimate.certainty > 0.9, "{estimate:?}");
             ms / steps.len() as f64
         });

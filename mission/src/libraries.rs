@@ -118,6 +118,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::disallowed_methods, reason = "the file of the repository is what is tested")]
     fn the_library_that_is_read_back_is_the_one_that_is_compiled() {
         let Ok(library) = compile(base_natives(), RobotTables::EMPTY, &[]) else { panic!("the prelude compiles") };
         if std::env::var_os("WRITE_LIBRARY").is_some() {
