@@ -25,12 +25,12 @@ class RecordedDrive:
     @property
     def found(self) -> int:
         """In how many windows the robot was found."""
-        return int(self.figures["found"])
+        return int(self.figures["found"]["count"])
 
     @property
     def of(self) -> int:
         """How many windows there are."""
-        return int(self.figures["of"])
+        return int(self.figures["found"]["of"])
 
     def _repr_svg_(self) -> str:
         return self.paths_svg
