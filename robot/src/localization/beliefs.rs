@@ -2,12 +2,12 @@
 
 use super::belief::Belief;
 use super::landmark::LandmarkSighting;
-use super::model::{FEW_STATES, LocalizationModel};
+use super::model::{FEW_STATES, LocalizationModel, Misfit};
 use super::parameters::Spread;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
-use super::watcher::{ASSURED, Misfit, Update, Watcher};
+use super::watcher::{ASSURED, Update, Watcher};
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 

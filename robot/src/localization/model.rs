@@ -8,13 +8,21 @@ use super::parameters::LocalizationParameters;
 use super::scan::{ScanModel, SeenMap, Weighing};
 use super::sensor::BinnedScan;
 use super::simd::Instructions;
-use super::watcher::Misfit;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use std::sync::Arc;
 
 /// The fine belief is made of the coarse one that watches as soon as so few of its states would be above θ.
 pub(super) const FEW_STATES: f64 = 40_000.0;
+
+/// How badly scans fit a pose.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Misfit {
+    /// −ln of their likelihood, tempered, less the least it can be anywhere.
+    pub nats: f64,
+    /// What that is on the average, by the sensor model.
+    pub mean_nats: f64,
+}
 
 /// The map as localization needs it: cells that can be stood in, and what each sensor is expected to
 /// measure there. Shared by `Arc`; never part of a saved state.

@@ -3,7 +3,7 @@
 
 use super::belief::Belief;
 use super::landmark::LandmarkSighting;
-use super::model::LocalizationModel;
+use super::model::{LocalizationModel, Misfit};
 use super::parameters::Spread;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
@@ -26,15 +26,6 @@ const MOST_DOUBT_NATS: f64 = 3.0;
 /// by scan with a deviation of 0.17: the model is wider than the readings, to cover cells, headings, and what is not in the
 /// map. At a mirror pose it may be 0.75.
 const MOST_USUAL: f64 = 0.65;
-
-/// How badly scans fit a pose.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Misfit {
-    /// −ln of their likelihood, tempered, less the least it can be anywhere.
-    pub nats: f64,
-    /// What that is on the average, by the sensor model.
-    pub mean_nats: f64,
-}
 
 /// What one update had for the coarse belief.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

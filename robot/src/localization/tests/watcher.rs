@@ -1,7 +1,8 @@
 //! When the coarse belief sleeps, and what it knows when it wakes.
 
+use super::super::model::Misfit;
 use super::super::scan::Weighing;
-use super::super::watcher::{Misfit, Update, Watcher};
+use super::super::watcher::{Update, Watcher};
 use super::*;
 
 /// Of scans that fit as usual, and of those at a wrong pose.
