@@ -61,8 +61,14 @@ macro_rules! arithmetic {
                 $to = Value::Float(x $operator y);
                 next!();
             }
-            (&Value::Int(x), &Value::Float(y)) => $to = Value::Float(x as f64 $operator y),
-            (&Value::Float(x), &Value::Int(y)) => $to = Value::Float(x $operator y as f64),
+            (&Value::Int(x), &Value::Float(y)) => {
+                $to = Value::Float(x as f64 $operator y);
+                next!();
+            }
+            (&Value::Float(x), &Value::Int(y)) => {
+                $to = Value::Float(x $operator y as f64);
+                next!();
+            }
             (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
         }
     };

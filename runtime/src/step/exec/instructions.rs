@@ -13,8 +13,15 @@ use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
 use crate::step::native::{Reply, Surroundings};
-use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Program, SlotAccess};
 use rpl_lang::kind::Kind;
+
+/// What the function in a global does with a slot, if it does nothing else; it takes as many arguments as it needs for that.
+#[inline(always)]
+fn slot_of<'p>(program: &'p Program, global: &Value) -> Option<&'p SlotAccess> {
+    let &Value::Function(number) = global else { return None };
+    program.codes[number as usize].slot.as_ref()
+}
 
 impl Machine {
     /// The loop. Comes back with an exit, or with a failure to raise at `place`.
@@ -242,6 +249,28 @@ impl Machine {
                         next!();
                     }};
                 }
+                // With other operands, and where an integer is too large, the two instructions behind it do the work.
+                macro_rules! with_product {
+                    ($to:expr, $other:expr, $x:expr, $y:expr, $checked:ident, $operator:tt) => {{
+                        match (&r!($other), &r!($x), &r!($y)) {
+                            (&Value::Float(other), &Value::Float(x), &Value::Float(y)) => {
+                                r!($to) = Value::Float(other $operator x * y);
+                                skip!(2);
+                                next!();
+                            }
+                            (&Value::Int(other), &Value::Int(x), &Value::Int(y)) => {
+                                if let Some(product) = x.checked_mul(y)
+                                    && let Some(value) = other.$checked(product)
+                                {
+                                    r!($to) = Value::Int(value);
+                                    skip!(2);
+                                }
+                                next!();
+                            }
+                            _ => next!(),
+                        }
+                    }};
+                }
                 macro_rules! call_value {
                     ($first:expr, $callee:expr, $count:expr, $is_tail:literal) => {{
                         burn!();
@@ -332,6 +361,8 @@ impl Machine {
                     Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),
                     Op::Sub(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "-", checked_sub, -),
                     Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
+                    Op::AddProduct(a, b, c, d) => with_product!(a, b, c, d, checked_add, +),
+                    Op::SubProduct(a, b, c, d) => with_product!(a, b, c, d, checked_sub, -),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Float(x), &Value::Float(y)) if y != 0.0 => {
                             r!(a) = Value::Float(x / y);
@@ -529,26 +560,34 @@ impl Machine {
                         }
                         hand_over!(self.call_global(around, place, global, first, count, false))
                     }
-                    Op::CallSlot(first, own, count, global) => {
+                    Op::CallSlot(first, own, global) => {
                         burn!();
                         if !STEPPING
-                            && let Value::Function(number) = self.globals[global as usize]
-                            && let callee = &*program.codes[number as usize]
-                            && let Some(slot) = &callee.slot
-                            && callee.exact_count == u16::from(count)
+                            && let Some(slot) = slot_of(program, &self.globals[global as usize])
+                            && !slot.assigns
                             && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
-                            && !(slot.assigns && self.current == SCRATCH_TASK)
                         {
-                            if slot.assigns {
-                                assign!(r!(first), r[usize::from(first) + 1]);
-                                self.heap.pairs.car_mut(pair).set(&r!(first));
-                            } else {
-                                assign!(r!(first), *self.heap.pairs.car(pair));
-                            }
+                            assign!(r!(first), *self.heap.pairs.car(pair));
                             next!();
                         }
                         assign!(r!(first), r!(own));
-                        hand_over!(self.call_global(around, place, global, first, count, false))
+                        hand_over!(self.call_global(around, place, global, first, 1, false))
+                    }
+                    Op::CallSetSlot(first, own, global) => {
+                        burn!();
+                        if !STEPPING
+                            && let Some(slot) = slot_of(program, &self.globals[global as usize])
+                            && slot.assigns
+                            && self.current != SCRATCH_TASK
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
+                        {
+                            let (at, value) = (usize::from(first), usize::from(first) + 1);
+                            assign!(*self.heap.pairs.car_mut(pair), r[value]);
+                            assign!(r[at], r[value]);
+                            next!();
+                        }
+                        assign!(r!(first), r!(own));
+                        hand_over!(self.call_global(around, place, global, first, 2, false))
                     }
                     Op::TailCall(first, count, global) => {
                         burn!();
