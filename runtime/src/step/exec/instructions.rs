@@ -138,9 +138,8 @@ impl Machine {
             // What the loop below hands over, or cannot do, leaves it here: how to go on is decided in one place.
             let mut op = fetch!();
             let next = 'handed: loop {
-                // Goes on with the next instruction. What is common to the ends of arms stands in each of them, jump to the
-                // instruction included, as long as they end in what the compiler cannot see through: to merge them would
-                // cost two jumps more, and one place to foresee all instructions from.
+                // Goes on with the next instruction. Arms end in what the compiler cannot see through, so that it does not
+                // merge what is common to their ends: that would cost each instruction two jumps more.
                 macro_rules! next {
                     () => {{
                         if STEPPING {
@@ -498,8 +497,9 @@ impl Machine {
                         None => hand_over!(self.plan_instruction(around, place, *op)),
                     },
                     Op::Extend(a, end, value) => {
-                        r!(a) = self.heap.extend(&r!(end), r!(value).copied());
+                        r!(a) = Value::Cons(self.heap.extend(&r!(end), &r!(value)));
                         collect_in_frame!();
+                        next!();
                     }
                     Op::NextElement(at, to, distance) => match r!(at) {
                         Value::Cons(pair) => {
