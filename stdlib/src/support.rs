@@ -27,7 +27,7 @@ fn reverse_in_place(call: &mut Call<'_, '_>) -> NativeResult {
 
 /// A new last pair; has an instruction. Only for lists nobody else has seen.
 fn extend(call: &mut Call<'_, '_>) -> NativeResult {
-    value(call.machine.heap.extend(&call.argument(0), call.argument(1)))
+    value(Value::Cons(call.machine.heap.extend(&call.argument(0), &call.argument(1))))
 }
 
 /// What has an instruction only.

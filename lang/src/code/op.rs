@@ -49,6 +49,11 @@ pub enum Op {
     Mod(Reg, Reg, Reg),
     /// `r0 := r1 + integer`
     AddInt(Reg, Reg, i16),
+    /// `r0 := r1 + r2 · r3`, and pass over the product and the sum that follow, which know more, if all are floats or
+    /// integers
+    AddProduct(Reg, Reg, Reg, Reg),
+    /// `r0 := r1 − r2 · r3` in the same way
+    SubProduct(Reg, Reg, Reg, Reg),
     /// `r0 := r1 < r2`
     Less(Reg, Reg, Reg),
     /// `r0 := r1 ≤ r2`
@@ -132,8 +137,10 @@ pub enum Op {
     CountInt(Reg, i16, i32),
     /// call the function in a global; arguments from r0, count, global; result in r0
     Call(Reg, u8, u32),
-    /// the same for what is likely to read or assign a slot: the record is r1, which need not stand in r0
-    CallSlot(Reg, Reg, u8, u32),
+    /// the same with one argument, r1, which need not stand in r0, for what is likely to read a slot
+    CallSlot(Reg, Reg, u32),
+    /// the same with r1 and what stands behind r0, for what is likely to assign a slot
+    CallSetSlot(Reg, Reg, u32),
     /// as `Call` in tail position
     TailCall(Reg, u8, u32),
     /// call the value in r1; arguments from r0, count; result in r0
@@ -214,6 +221,7 @@ impl Op {
             self,
             Op::Call(..)
                 | Op::CallSlot(..)
+                | Op::CallSetSlot(..)
                 | Op::TailCall(..)
                 | Op::CallValue(..)
                 | Op::TailCallValue(..)
@@ -242,6 +250,7 @@ impl Op {
         match *self {
             Op::Call(reg, ..)
             | Op::CallSlot(reg, ..)
+            | Op::CallSetSlot(reg, ..)
             | Op::CallValue(reg, ..)
             | Op::CallNative(reg, ..)
             | Op::SetGlobal(reg, _)

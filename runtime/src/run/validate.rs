@@ -416,9 +416,10 @@ pub(crate) fn validate_program(program: &Program, from: usize) -> Result<(), Str
                 Op::Global(_, global) | Op::SetGlobal(_, global) | Op::DefFluent(_, global) => {
                     (global as usize) < program.globals.len()
                 }
-                Op::Call(_, _, global) | Op::CallSlot(_, _, _, global) | Op::TailCall(_, _, global) => {
-                    (global as usize) < program.globals.len()
-                }
+                Op::Call(_, _, global)
+                | Op::CallSlot(_, _, global)
+                | Op::CallSetSlot(_, _, global)
+                | Op::TailCall(_, _, global) => (global as usize) < program.globals.len(),
                 Op::CallCode(_, number) | Op::Closure(_, number) | Op::Network(_, number) => has_code(number),
                 Op::Parallel(_, number) | Op::ParallelMap(_, _, number) | Op::Spawn(_, number) => {
                     (number as usize) < code.constructs.len()

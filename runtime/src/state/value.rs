@@ -21,6 +21,8 @@ macro_rules! assign {
             Value::Int(value) => $to = Value::Int(value as u64 as i64),
             Value::Cons(pair) => $to = Value::Cons(pair as i32 as u32),
             Value::Float(value) => $to = Value::Float(f64::from_bits(value.to_bits())),
+            Value::Cell(cell) => $to = Value::Cell(cell as i32 as u32),
+            Value::Closure(closure) => $to = Value::Closure(closure as i32 as u32),
             other => $to = other,
         }
     };

@@ -1,7 +1,7 @@
 //! Operations of two operands, and comparisons that decide a jump.
 
 use super::emitter::Emitter;
-use crate::code::{Op, Reg};
+use crate::code::{CodeKind, Op, Reg};
 use crate::compile::ir::{Binary, Ir, IrKind};
 
 impl Emitter<'_, '_> {
@@ -28,6 +28,9 @@ impl Emitter<'_, '_> {
             }
             _ => {}
         }
+        if self.with_product(operation, left, right, into) {
+            return;
+        }
         let left_reg = self.operand(left, &[right]);
         let right_reg = self.operand(right, &[]);
         self.push(match operation {
@@ -42,6 +45,34 @@ impl Emitter<'_, '_> {
             Binary::Eq => Op::Eq(into, left_reg, right_reg),
             Binary::Cons => Op::Cons(into, left_reg, right_reg),
         });
+    }
+
+    /// Emits a sum or difference with a product, if it is one; tells so. In networks it would not be plain.
+    fn with_product(&mut self, operation: Binary, left: &Ir, right: &Ir, into: Reg) -> bool {
+        let is_sum = match operation {
+            _ if self.kind == CodeKind::Network => return false,
+            Binary::Add => true,
+            Binary::Sub => false,
+            _ => return false,
+        };
+        let (other, product) = match (&left.kind, &right.kind) {
+            (_, IrKind::Binary(Binary::Mul, ..)) => (self.operand(left, &[right]), right),
+            // What stands in a register is read behind the product.
+            (IrKind::Binary(Binary::Mul, ..), _) if is_sum => match self.own_register(right, [].into_iter()) {
+                Some(other) => (other, left),
+                None => return false,
+            },
+            _ => return false,
+        };
+        let IrKind::Binary(_, x, y) = &product.kind else { return false };
+        let (x, y) = (self.operand(x, &[y]), self.operand(y, &[]));
+        self.push(if is_sum { Op::AddProduct(into, other, x, y) } else { Op::SubProduct(into, other, x, y) });
+        let value = self.fresh();
+        let outer = std::mem::replace(&mut self.span, product.span);
+        self.push(Op::Mul(value, x, y));
+        self.span = outer;
+        self.push(if is_sum { Op::Add(into, other, value) } else { Op::Sub(into, other, value) });
+        true
     }
 
     /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: an

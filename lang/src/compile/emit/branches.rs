@@ -1,13 +1,16 @@
 //! Branches, loops, and blocks that are left.
 
 use super::emitter::{BlockState, Emitter};
-use super::value_facts::{has_no_code, is_cheap_test};
-use crate::code::{NO_REG, Op, Reg};
+use super::value_facts::{add_literals, has_no_code, is_cheap_test, is_test};
+use crate::code::{CodeKind, NO_REG, Op, Reg};
 use crate::compile::ir::{Binary, BlockId, Ir, IrKind, Unary, VarId};
 use crate::stack::deep;
 
 /// Conditions that nest no deeper than this may be emitted twice.
 const MOST_REPEATED: usize = 5;
+
+/// So many constants have registers at most while a function is in a loop.
+const MOST_LITERALS: usize = 8;
 
 impl Emitter<'_, '_> {
     /// Emits a jump that is taken when the condition is nil; gives the jumps to land.
@@ -77,6 +80,8 @@ impl Emitter<'_, '_> {
             IrKind::Seq(items) => items.as_slice(),
             _ => std::slice::from_ref(body),
         };
+        let outer = self.literals.clone();
+        self.load_literals(items);
         let (mut exits, mut again) = (Vec::new(), None);
         let start = self.ops.len();
         for (position, item) in items.iter().enumerate() {
@@ -102,6 +107,23 @@ impl Emitter<'_, '_> {
                 self.land(skip);
             }
             self.effect(leave);
+        }
+        self.literals = outer;
+    }
+
+    /// Loads constants before a loop in which they are operands.
+    fn load_literals(&mut self, body: &[Ir]) {
+        let mut literals = Vec::new();
+        body.iter().for_each(|item| add_literals(item, &mut literals));
+        for literal in literals {
+            if self.literals.len() == MOST_LITERALS {
+                break;
+            }
+            if !self.literals.contains_key(&literal) {
+                let register = self.fresh();
+                self.literal(literal, register);
+                self.literals.insert(literal, register);
+            }
         }
     }
 
@@ -137,18 +159,47 @@ impl Emitter<'_, '_> {
         skips
     }
 
-    pub(super) fn and_or(&mut self, items: &[Ir], into: Reg, tail: bool, and: bool) {
+    /// Emits a form whose value is that of its last item, or nil. At the end of a function tests need no value for that.
+    pub(super) fn and(&mut self, items: &[Ir], into: Reg, tail: bool) {
+        let Some((last, before)) = items.split_last() else { return };
+        if self.is_end(tail) && before.iter().any(is_test) {
+            let skips: Vec<usize> = before.iter().flat_map(|item| self.jump_unless(item)).collect();
+            self.returned(last, into);
+            skips.into_iter().for_each(|skip| self.land(skip));
+            self.push(Op::Nil(into));
+            return;
+        }
         let mut exits = Vec::new();
-        for (index, item) in items.iter().enumerate() {
-            let last = index + 1 == items.len();
-            self.value(item, into, tail && last);
-            if !last {
-                exits.push(self.push(if and { Op::JumpIfNil(into, 0) } else { Op::JumpIfTrue(into, 0) }));
+        for item in before {
+            self.value(item, into, false);
+            exits.push(self.push(Op::JumpIfNil(into, 0)));
+        }
+        self.value(last, into, tail);
+        exits.into_iter().for_each(|exit| self.land(exit));
+    }
+
+    /// The same for the value of its first item that is not nil.
+    pub(super) fn or(&mut self, items: &[Ir], into: Reg, tail: bool) {
+        let Some((last, before)) = items.split_last() else { return };
+        let mut exits = Vec::new();
+        for item in before {
+            if self.is_end(tail) && is_test(item) {
+                let skips = self.jump_unless(item);
+                self.push(Op::True(into));
+                self.push(Op::Return(into));
+                skips.into_iter().for_each(|skip| self.land(skip));
+            } else {
+                self.value(item, into, false);
+                exits.push(self.push(Op::JumpIfTrue(into, 0)));
             }
         }
-        for exit in exits {
-            self.land(exit);
-        }
+        self.value(last, into, tail);
+        exits.into_iter().for_each(|exit| self.land(exit));
+    }
+
+    /// Whether a form in tail position can return by itself: networks stay as plain as they are.
+    fn is_end(&self, tail: bool) -> bool {
+        tail && self.kind != CodeKind::Network
     }
 
     pub(super) fn block(&mut self, id: BlockId, token: Option<VarId>, body: &Ir, into: Reg) {

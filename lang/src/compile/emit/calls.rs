@@ -1,7 +1,7 @@
 //! Calls.
 
 use super::emitter::{Emitter, MAX_REGISTERS};
-use crate::code::{GlobalKind, Op, Reg};
+use crate::code::{GlobalKind, Op, Reg, SlotAccess};
 use crate::compile::ir::{Callee, Ir};
 
 impl Emitter<'_, '_> {
@@ -11,11 +11,12 @@ impl Emitter<'_, '_> {
         if is_free { into } else { self.fresh() }
     }
 
-    /// Whether a function is known to read or assign a slot. A program can still define it anew.
-    fn is_slot_access(&self, global: u32) -> bool {
+    /// What a function is known to do with a slot, given so many arguments. A program can still define it anew.
+    fn slot_access(&self, global: u32, count: u8) -> Option<SlotAccess> {
         let program = &self.compiler.program;
-        let GlobalKind::Function(code) = program.globals[global as usize].kind else { return false };
-        program.codes.get(code as usize).is_some_and(|code| code.slot.is_some())
+        let GlobalKind::Function(code) = program.globals[global as usize].kind else { return None };
+        let code = program.codes.get(code as usize)?;
+        code.slot.filter(|_| code.exact_count == u16::from(count))
     }
 
     /// Calls a function by its name. A variable whose slot is read or assigned is not moved before.
@@ -25,16 +26,17 @@ impl Emitter<'_, '_> {
             self.push(if tail { Op::TailCall(first, count, global) } else { Op::Call(first, count, global) });
             return self.take(first, into);
         };
-        let is_slot = !tail && self.is_slot_access(global);
-        let own = if is_slot { self.own_register(argument, others.iter()) } else { None };
-        if own.is_none() {
+        let slot = if tail { None } else { self.slot_access(global, count) };
+        let slot = slot.and_then(|slot| Some((slot, self.own_register(argument, others.iter())?)));
+        if slot.is_none() {
             self.value(argument, first, false);
         }
         if !others.is_empty() {
             self.arguments(others);
         }
-        self.push(match own {
-            Some(own) => Op::CallSlot(first, own, count, global),
+        self.push(match slot {
+            Some((slot, own)) if slot.assigns => Op::CallSetSlot(first, own, global),
+            Some((_, own)) => Op::CallSlot(first, own, global),
             None if tail => Op::TailCall(first, count, global),
             None => Op::Call(first, count, global),
         });

@@ -1,6 +1,7 @@
 //! A function on its way to code: its registers, which are given out like a stack, its instructions and jumps.
 
-use crate::code::{Construct, Local, Op, Reg};
+use super::value_facts::Literal;
+use crate::code::{CodeKind, Construct, Local, Op, Reg};
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{BlockId, VarId};
 use crate::source::Span;
@@ -32,7 +33,9 @@ pub(super) struct Emitter<'c, 'a> {
     pub(super) constructs: Vec<Construct>,
     pub(super) handlers: Vec<Vec<Vec<Symbol>>>,
     pub(super) locals: Vec<Local>,
-    pub(super) is_plan: bool,
+    pub(super) kind: CodeKind,
+    /// Registers that hold numbers of the text, in the loops where they are operands.
+    pub(super) literals: BTreeMap<Literal, Reg>,
 }
 
 impl Emitter<'_, '_> {

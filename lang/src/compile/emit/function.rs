@@ -27,7 +27,8 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         constructs: Vec::new(),
         handlers: Vec::new(),
         locals: Vec::new(),
-        is_plan: function.kind == CodeKind::Plan,
+        kind: function.kind,
+        literals: BTreeMap::new(),
     };
     emitter.function(function);
     let Emitter { mut ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
@@ -87,7 +88,7 @@ impl Emitter<'_, '_> {
             let reg = self.fresh();
             self.place(capture, reg);
         }
-        if self.is_plan {
+        if self.kind == CodeKind::Plan {
             self.push(Op::EnterPlan);
             self.scopes += 1;
         }
@@ -108,7 +109,7 @@ impl Emitter<'_, '_> {
         let result = self.fresh();
         let tail = self.scopes == 0;
         self.value(&function.body, result, tail);
-        if self.is_plan {
+        if self.kind == CodeKind::Plan {
             self.push(Op::LeavePlan(result));
         }
         self.push(Op::Return(result));

@@ -56,6 +56,68 @@ pub(super) fn is_cheap_test(ir: &Ir, depth: usize) -> bool {
     }
 }
 
+/// Whether the form is a test that can be made to jump where it fails, and says by itself whether it holds: its value is `t`
+/// or nil. None that would tell its errors by another name then.
+pub(super) fn is_test(ir: &Ir) -> bool {
+    match &ir.kind {
+        IrKind::Unary(Unary::Not, _) | IrKind::Binary(Binary::NumEq | Binary::NumDiffer, ..) => true,
+        IrKind::Binary(Binary::Less | Binary::LessEq, left, _) => !matches!(left.kind, IrKind::Int(_)),
+        _ => false,
+    }
+}
+
+/// A constant of the text that is an operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Literal {
+    Int(i64),
+    Const(u32),
+}
+
+impl Literal {
+    /// The form, if it is one.
+    pub(super) fn of(ir: &Ir) -> Option<Self> {
+        match ir.kind {
+            IrKind::Int(value) => Some(Self::Int(value)),
+            IrKind::Const(constant) => Some(Self::Const(constant)),
+            _ => None,
+        }
+    }
+}
+
+/// Adds the constants that are operands of arithmetic in a form and would be loaded each time. What is inside other
+/// functions is theirs, and what is about tasks takes longer than that.
+pub(super) fn add_literals(ir: &Ir, literals: &mut Vec<Literal>) {
+    deep(|| match &ir.kind {
+        IrKind::Binary(operation, left, right) => {
+            let is_loaded = |literal: &Literal| match literal {
+                Literal::Int(_) => matches!(operation, Binary::Mul | Binary::Div),
+                Literal::Const(_) => !matches!(operation, Binary::Cons),
+            };
+            for operand in [left, right] {
+                literals.extend(Literal::of(operand).filter(is_loaded));
+                add_literals(operand, literals);
+            }
+        }
+        IrKind::SetLocal(_, value)
+        | IrKind::SetGlobal(_, value)
+        | IrKind::Unary(_, value)
+        | IrKind::Leave(_, value)
+        | IrKind::Loop(value)
+        | IrKind::Block { body: value, .. } => add_literals(value, literals),
+        IrKind::If(condition, then, otherwise) => {
+            [condition, then, otherwise].into_iter().for_each(|part| add_literals(part, literals));
+        }
+        IrKind::And(items) | IrKind::Or(items) | IrKind::Seq(items) | IrKind::Call(_, items) => {
+            items.iter().for_each(|item| add_literals(item, literals));
+        }
+        IrKind::Let(bindings, body) => {
+            bindings.iter().for_each(|(_, value)| add_literals(value, literals));
+            add_literals(body, literals);
+        }
+        _ => {}
+    });
+}
+
 fn is_cheap_number(ir: &Ir, depth: usize) -> bool {
     match &ir.kind {
         IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) => true,

@@ -1,7 +1,7 @@
 //! Forms and their values: each form leaves its value in a register that is given.
 
 use super::emitter::Emitter;
-use super::value_facts::{has_no_code, has_no_effect, writes_once};
+use super::value_facts::{Literal, has_no_code, has_no_effect, writes_once};
 use crate::code::{Atom, NO_REG, Op, Reg};
 use crate::compile::ir::{Callee, Ir, IrKind, Unary, VarId};
 use crate::stack::deep;
@@ -32,8 +32,8 @@ impl Emitter<'_, '_> {
                 self.push(Op::DefFluent(into, *global));
             }
             IrKind::If(condition, then, otherwise) => self.conditional(condition, then, otherwise, into, tail),
-            IrKind::And(items) => self.and_or(items, into, tail, true),
-            IrKind::Or(items) => self.and_or(items, into, tail, false),
+            IrKind::And(items) => self.and(items, into, tail),
+            IrKind::Or(items) => self.or(items, into, tail),
             IrKind::Seq(items) => self.sequence(items, into, tail),
             IrKind::Let(bindings, body) => self.let_form(bindings, body, into, tail),
             IrKind::Lambda(function) => {
@@ -124,6 +124,13 @@ impl Emitter<'_, '_> {
         }
     }
 
+    pub(super) fn literal(&mut self, literal: Literal, into: Reg) {
+        match literal {
+            Literal::Int(value) => self.integer(value, into),
+            Literal::Const(constant) => drop(self.push(Op::Const(into, constant))),
+        }
+    }
+
     pub(super) fn local(&mut self, variable: VarId, into: Reg) {
         let reg = self.registers.get(&variable).copied().unwrap_or(NO_REG);
         if self.compiler.variables[variable.0 as usize].in_cell() {
@@ -163,8 +170,12 @@ impl Emitter<'_, '_> {
         self.own_register(ir, later.iter().copied()).unwrap_or_else(|| self.kept(ir))
     }
 
-    /// The register of a variable, if the form is one and nothing evaluated after it (`later`) can change it.
+    /// The register of a variable, if the form is one and nothing evaluated after it (`later`) can change it; or of a
+    /// constant that has one.
     pub(super) fn own_register<'i>(&self, ir: &Ir, mut later: impl Iterator<Item = &'i Ir>) -> Option<Reg> {
+        if let Some(literal) = Literal::of(ir) {
+            return self.literals.get(&literal).copied();
+        }
         let IrKind::Local(variable) = ir.kind else { return None };
         let variable_info = &self.compiler.variables[variable.0 as usize];
         let is_stable = !variable_info.assigned || later.all(has_no_effect);

@@ -138,8 +138,9 @@ impl Pairs {
 
     /// A new last pair behind the last one.
     #[inline]
-    pub(super) fn extend(&mut self, end: u32, car: Value) -> u32 {
-        let pair = self.place(car, END);
+    pub(super) fn extend(&mut self, end: u32, car: &Value) -> u32 {
+        let pair = self.place(Value::Nil, END);
+        self.cars[pair as usize].set(car);
         match &mut self.tails[end as usize] {
             last if *last == END => *last = Tail(pair),
             _ => {

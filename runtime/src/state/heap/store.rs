@@ -127,12 +127,15 @@ impl Heap {
         self.allocated += self.pairs.set_cdr(pair, cdr);
     }
 
-    /// A new last pair of a list whose last pair was `end`.
+    /// A new last pair of a list whose last pair was `end`; its number, because a value would be put together in memory and
+    /// read from there.
     #[inline]
-    pub fn extend(&mut self, end: &Value, value: Value) -> Value {
-        let &Value::Cons(end) = end else { return self.cons(value, Value::Nil) };
+    pub fn extend(&mut self, end: &Value, value: &Value) -> u32 {
         self.allocated += PAIR;
-        Value::Cons(self.pairs.extend(end, value))
+        match *end {
+            Value::Cons(end) => self.pairs.extend(end, value),
+            _ => self.pairs.cons(value.copied(), Value::Nil).0,
+        }
     }
 
     /// A new string.

@@ -44,19 +44,31 @@ impl Machine {
     }
 }
 
-/// A sum, difference or product: `$to := $left $operator $right`. For the loop, whose `fail!` it needs.
+/// A sum, difference or product: `$to := $left $operator $right`. For the loop, whose `fail!` and `next!` it needs.
 ///
 /// All kinds of operands stand here: a call that comes back would have the loop keep its state in memory.
 macro_rules! arithmetic {
     ($machine:ident, $to:expr, $left:expr, $right:expr, $name:literal, $checked:ident, $operator:tt) => {
         match (&$left, &$right) {
             (&Value::Int(x), &Value::Int(y)) => match x.$checked(y) {
-                Some(value) => $to = Value::Int(value),
+                Some(value) => {
+                    $to = Value::Int(value);
+                    next!();
+                }
                 None => fail!(overflow($name)),
             },
-            (&Value::Float(x), &Value::Float(y)) => $to = Value::Float(x $operator y),
-            (&Value::Int(x), &Value::Float(y)) => $to = Value::Float(x as f64 $operator y),
-            (&Value::Float(x), &Value::Int(y)) => $to = Value::Float(x $operator y as f64),
+            (&Value::Float(x), &Value::Float(y)) => {
+                $to = Value::Float(x $operator y);
+                next!();
+            }
+            (&Value::Int(x), &Value::Float(y)) => {
+                $to = Value::Float(x as f64 $operator y);
+                next!();
+            }
+            (&Value::Float(x), &Value::Int(y)) => {
+                $to = Value::Float(x $operator y as f64);
+                next!();
+            }
             (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
         }
     };

@@ -22,6 +22,11 @@ macro_rules! fail {
     };
 }
 
+/// Each instruction ends where the next is taken.
+macro_rules! next {
+    () => {};
+}
+
 impl Machine {
     /// The value of a network that is plain, as most conditions are: computed in a few registers of its own, without a frame
     /// and a budget, of which it would take nothing. None where it is not plain or something in it fails; then nothing has

@@ -13,8 +13,15 @@ use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
 use crate::step::native::{Reply, Surroundings};
-use rpl_lang::code::{Code, CodeKind, NO_REG, Op};
+use rpl_lang::code::{Code, CodeKind, NO_REG, Op, Program, SlotAccess};
 use rpl_lang::kind::Kind;
+
+/// What the function in a global does with a slot, if it does nothing else; it takes as many arguments as it needs for that.
+#[inline(always)]
+fn slot_of<'p>(program: &'p Program, global: &Value) -> Option<&'p SlotAccess> {
+    let &Value::Function(number) = global else { return None };
+    program.codes[number as usize].slot.as_ref()
+}
 
 impl Machine {
     /// The loop. Comes back with an exit, or with a failure to raise at `place`.
@@ -32,7 +39,7 @@ impl Machine {
         let mut code: &Code = &program.codes[place.frame.code as usize];
         let mut code_number = place.frame.code;
         // What comes next in it.
-        let mut rest = &code.ops[place.frame.pc as usize..];
+        let mut rest = code.ops[place.frame.pc as usize..].iter();
         let mut base = place.frame.base as usize;
         let mut fuel = place.fuel;
         let few_frames = self.limits.frames_anywhere();
@@ -53,14 +60,14 @@ impl Machine {
         macro_rules! begin {
             ($code:expr, $number:expr, $base:expr) => {
                 (code, code_number, base) = ($code, $number, $base);
-                rest = &code.ops;
+                rest = code.ops.iter();
             };
         }
         macro_rules! resume {
             ($frame:expr) => {
                 let frame = $frame;
                 (code, code_number, base) = (&program.codes[frame.code as usize], frame.code, frame.base as usize);
-                rest = &code.ops[frame.pc as usize..];
+                rest = code.ops[frame.pc as usize..].iter();
             };
         }
         // After an instruction that may have made a more important task ready, ended or suspended
@@ -101,29 +108,61 @@ impl Machine {
                 }
             }};
         }
+        // The registers within reach of the frame. They have numbers of 32 bits, in every frame: what is added to one does
+        // not overflow.
+        macro_rules! window {
+            () => {{
+                let start = base as u32 as usize;
+                self.scratch.stack.get_mut(start..start + REACH).and_then(|above| above.first_chunk_mut::<REACH>())
+            }};
+        }
+        macro_rules! fetch {
+            () => {
+                match rest.next() {
+                    Some(op) => op,
+                    None => unreachable!("code ends with an instruction that leaves it"),
+                }
+            };
+        }
         'frame: loop {
             if STEPPING {
                 save!();
-                if self.stops_before(program, &rest[0], place.frame) {
+                if self.stops_before(program, &rest.as_slice()[0], place.frame) {
                     return Ok(Exit::Paused);
                 }
             }
-            // A register has a number of 32 bits, in every frame: what is added to it does not overflow.
-            let start = base as u32 as usize;
-            let window =
-                self.scratch.stack.get_mut(start..start + REACH).and_then(|above| above.first_chunk_mut::<REACH>());
-            let Some(r) = window else {
+            let Some(mut r) = window!() else {
                 self.grow_stack(base);
                 continue 'frame;
             };
             // What the loop below hands over, or cannot do, leaves it here: how to go on is decided in one place.
-            let mut is_looked_at = STEPPING;
+            let mut op = fetch!();
             let next = 'handed: loop {
+                // Goes on with the next instruction. Arms end in what the compiler cannot see through, so that it does not
+                // merge what is common to their ends: that would cost each instruction two jumps more.
+                macro_rules! next {
+                    () => {{
+                        if STEPPING {
+                            continue 'frame;
+                        }
+                        op = fetch!();
+                        std::hint::black_box(());
+                        continue;
+                    }};
+                }
+                // Goes on in another frame.
+                macro_rules! enter {
+                    () => {{
+                        let Some(registers) = window!() else { continue 'frame };
+                        r = registers;
+                        next!();
+                    }};
+                }
+                // The failure is made last, when nothing of the loop's state is needed any more.
                 macro_rules! fail {
                     ($raise:expr) => {{
-                        let raise = $raise;
                         save!();
-                        break 'handed Err(raise);
+                        break 'handed Err($raise);
                     }};
                 }
                 macro_rules! attempt {
@@ -180,29 +219,54 @@ impl Machine {
                 }
                 macro_rules! skip {
                     ($distance:expr) => {
-                        rest = &rest[$distance as usize..]
+                        rest = rest.as_slice()[$distance as usize..].iter()
                     };
                 }
                 macro_rules! back {
                     ($distance:expr) => {{
                         burn!();
-                        rest = &code.ops[(code.ops.len() - rest.len()).wrapping_add_signed($distance as isize)..];
+                        rest = code.ops[(code.ops.len() - rest.len()).wrapping_add_signed($distance as isize)..].iter();
                     }};
                 }
                 // One of the three above, where the condition holds.
                 macro_rules! when {
-                    ($condition:expr, $jump:ident, $distance:expr) => {
+                    ($condition:expr, $jump:ident, $distance:expr) => {{
                         if $condition {
                             $jump!($distance);
                         }
-                    };
+                        next!();
+                    }};
                 }
                 // With nothing left to burn the test behind it is for the slice to come.
                 macro_rules! count {
                     ($counter:expr, $count:expr, $end:expr, $distance:expr) => {{
-                        r!($counter) = Value::Int($count);
-                        if $count < $end && fuel > 0 {
+                        let Some(count) = $count.checked_add(1) else { hand_over!(self.count_other(place, $counter)) };
+                        r!($counter) = Value::Int(count);
+                        if count < $end && fuel > 0 {
                             back!($distance);
+                        }
+                        next!();
+                    }};
+                }
+                // With other operands, and where an integer is too large, the two instructions behind it do the work.
+                macro_rules! with_product {
+                    ($to:expr, $other:expr, $x:expr, $y:expr, $checked:ident, $operator:tt) => {{
+                        match (&r!($other), &r!($x), &r!($y)) {
+                            (&Value::Float(other), &Value::Float(x), &Value::Float(y)) => {
+                                r!($to) = Value::Float(other $operator x * y);
+                                skip!(2);
+                                next!();
+                            }
+                            (&Value::Int(other), &Value::Int(x), &Value::Int(y)) => {
+                                if let Some(product) = x.checked_mul(y)
+                                    && let Some(value) = other.$checked(product)
+                                {
+                                    r!($to) = Value::Int(value);
+                                    skip!(2);
+                                }
+                                next!();
+                            }
+                            _ => next!(),
                         }
                     }};
                 }
@@ -235,24 +299,29 @@ impl Machine {
                             place_captured(r, start + count, captured);
                             clear!(callee, start, count + captured.len());
                             begin!(callee, number, base + start);
-                            continue 'frame;
+                            enter!();
                         }
                         let function = *function;
                         hand_over!(self.call_any(around, place, function, $first, $count, $is_tail))
                     }};
                 }
-                if STEPPING && !std::mem::take(&mut is_looked_at) {
-                    continue 'frame;
-                }
-                let Some((op, behind)) = rest.split_first() else {
-                    unreachable!("code ends with an instruction that leaves it")
-                };
-                rest = behind;
                 match *op {
-                    Op::Nil(a) => r!(a) = Value::Nil,
-                    Op::True(a) => r!(a) = Value::True,
-                    Op::Int(a, value) => r!(a) = Value::Int(i64::from(value)),
-                    Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
+                    Op::Nil(a) => {
+                        r!(a) = Value::Nil;
+                        next!();
+                    }
+                    Op::True(a) => {
+                        r!(a) = Value::True;
+                        next!();
+                    }
+                    Op::Int(a, value) => {
+                        r!(a) = Value::Int(i64::from(value));
+                        next!();
+                    }
+                    Op::Const(a, constant) => {
+                        r!(a) = self.constants[constant as usize];
+                        next!();
+                    }
                     Op::Global(a, global) => {
                         // By reference: a value taken apart and put together again is slow to read.
                         let value = &self.globals[global as usize];
@@ -260,6 +329,7 @@ impl Machine {
                             fail!(self.describe_global(around, global));
                         }
                         r!(a) = *value;
+                        next!();
                     }
                     Op::SetGlobal(a, global) => {
                         let value = r!(a);
@@ -267,7 +337,10 @@ impl Machine {
                         self.globals[global as usize] = value;
                         continue 'frame;
                     }
-                    Op::Move(a, b) => assign!(r!(a), r!(b)),
+                    Op::Move(a, b) => {
+                        assign!(r!(a), r!(b));
+                        next!();
+                    }
                     Op::CellNew(a, b) => {
                         r!(a) = self.heap.cell(r!(b).copied());
                         collect_in_frame!();
@@ -276,17 +349,24 @@ impl Machine {
                         if let Value::Cell(cell) = r!(b) {
                             assign!(r!(a), self.heap.cells[cell]);
                         }
+                        next!();
                     }
                     Op::CellSet(a, b) => {
                         if let Value::Cell(cell) = r!(a) {
                             self.heap.cells[cell].set(&r!(b));
                         }
+                        next!();
                     }
                     Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),
                     Op::Sub(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "-", checked_sub, -),
                     Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
+                    Op::AddProduct(a, b, c, d) => with_product!(a, b, c, d, checked_add, +),
+                    Op::SubProduct(a, b, c, d) => with_product!(a, b, c, d, checked_sub, -),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
-                        (&Value::Float(x), &Value::Float(y)) if y != 0.0 => r!(a) = Value::Float(x / y),
+                        (&Value::Float(x), &Value::Float(y)) if y != 0.0 => {
+                            r!(a) = Value::Float(x / y);
+                            next!();
+                        }
                         (&left, &right) => match attempt!(quotient(left, right)) {
                             Some(value) => r!(a) = value,
                             None => fail!(self.wrong_operands("/", left, right)),
@@ -294,26 +374,43 @@ impl Machine {
                     },
                     Op::AddInt(a, b, value) => match r!(b) {
                         Value::Int(x) => match x.checked_add(i64::from(value)) {
-                            Some(sum) => r!(a) = Value::Int(sum),
+                            Some(sum) => {
+                                r!(a) = Value::Int(sum);
+                                next!();
+                            }
                             None => fail!(overflow("+")),
                         },
                         Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
                         other => fail!(self.wrong_operands("+", other, other)),
                     },
                     Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
-                        (&Value::Int(i64::MAX), _) => hand_over!(self.count_other(place, a)),
-                        (&Value::Int(count), &Value::Int(end)) => count!(a, count + 1, end, to),
+                        (&Value::Int(count), &Value::Int(end)) => count!(a, count, end, to),
                         _ => hand_over!(self.count_other(place, a)),
                     },
                     Op::CountInt(a, end, to) => match r!(a) {
-                        Value::Int(count) if count < i64::MAX => count!(a, count + 1, i64::from(end), to),
+                        Value::Int(count) => count!(a, count, i64::from(end), to),
                         _ => hand_over!(self.count_other(place, a)),
                     },
-                    Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
-                    Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
-                    Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==)),
-                    Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=)),
-                    Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
+                    Op::Less(a, b, c) => {
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <));
+                        next!();
+                    }
+                    Op::LessEq(a, b, c) => {
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=));
+                        next!();
+                    }
+                    Op::NumEq(a, b, c) => {
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==));
+                        next!();
+                    }
+                    Op::NumDiffer(a, b, c) => {
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=));
+                        next!();
+                    }
+                    Op::Eq(a, b, c) => {
+                        r!(a) = Value::truth(r!(b) == r!(c));
+                        next!();
+                    }
                     Op::Mod(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Int(x), &Value::Int(y)) if y > 0 => r!(a) = Value::Int(x.rem_euclid(y)),
                         (&left, &right) => match attempt!(remainder(left, right, true)) {
@@ -321,18 +418,28 @@ impl Machine {
                             None => fail!(self.wrong_argument("mod", left, right)),
                         },
                     },
-                    Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
+                    Op::Not(a, b) => {
+                        r!(a) = Value::truth(matches!(r!(b), Value::Nil));
+                        next!();
+                    }
                     Op::Cons(a, b, c) => {
                         r!(a) = self.heap.cons(r!(b).copied(), r!(c).copied());
                         collect_in_frame!();
+                        next!();
                     }
                     Op::Car(a, b) => match &r!(b) {
-                        &Value::Cons(pair) => r!(a) = *self.heap.pairs.car(pair),
+                        &Value::Cons(pair) => {
+                            r!(a) = *self.heap.pairs.car(pair);
+                            next!();
+                        }
                         Value::Nil => r!(a) = Value::Nil,
                         &other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
                     },
                     Op::Cdr(a, b) => match &r!(b) {
-                        &Value::Cons(pair) => r!(a) = self.heap.pairs.cdr(pair),
+                        &Value::Cons(pair) => {
+                            r!(a) = self.heap.pairs.cdr(pair);
+                            next!();
+                        }
                         Value::Nil => r!(a) = Value::Nil,
                         &other => fail!(self.wrong_type("the argument of `cdr`", Kind::List.noun(), other)),
                     },
@@ -354,7 +461,10 @@ impl Machine {
                         }
                     }
                     Op::VectorRef(a, vector, position) => match self.heap.element(&r!(vector), &r!(position)) {
-                        Some(element) => r!(a) = *element,
+                        Some(element) => {
+                            r!(a) = *element;
+                            next!();
+                        }
                         None => {
                             let (vector, position) = (r!(vector), r!(position));
                             fail!(self.no_element("vref", vector, position))
@@ -365,7 +475,10 @@ impl Machine {
                     }
                     Op::SetVectorRef(vector, position, value) => {
                         match self.heap.element_mut(&r!(vector), &r!(position)) {
-                            Some(element) => *element = r!(value),
+                            Some(element) => {
+                                *element = r!(value);
+                                next!();
+                            }
                             None => {
                                 let (vector, position) = (r!(vector), r!(position));
                                 fail!(self.no_element("(setf vref)", vector, position))
@@ -384,14 +497,16 @@ impl Machine {
                         None => hand_over!(self.plan_instruction(around, place, *op)),
                     },
                     Op::Extend(a, end, value) => {
-                        r!(a) = self.heap.extend(&r!(end), r!(value).copied());
+                        r!(a) = Value::Cons(self.heap.extend(&r!(end), &r!(value)));
                         collect_in_frame!();
+                        next!();
                     }
                     Op::NextElement(at, to, distance) => match r!(at) {
                         Value::Cons(pair) => {
                             jump!(distance);
                             assign!(r!(to), *self.heap.pairs.car(pair));
                             r!(at) = self.heap.pairs.cdr(pair);
+                            next!();
                         }
                         Value::Nil => {}
                         other => fail!(self.wrong_type("the argument of `car`", Kind::List.noun(), other)),
@@ -432,7 +547,7 @@ impl Machine {
                                 clear!(callee, from, usize::from(count));
                                 self.scratch.frames.push(frame!());
                                 begin!(callee, number, base + from);
-                                continue 'frame;
+                                enter!();
                             }
                             if !STEPPING
                                 && let Some(slot) = &callee.slot
@@ -440,31 +555,39 @@ impl Machine {
                                 && !(slot.assigns && self.current == SCRATCH_TASK)
                                 && self.heap.access_slot(slot, &mut r[from..])
                             {
-                                continue;
+                                next!();
                             }
                         }
                         hand_over!(self.call_global(around, place, global, first, count, false))
                     }
-                    Op::CallSlot(first, own, count, global) => {
+                    Op::CallSlot(first, own, global) => {
                         burn!();
                         if !STEPPING
-                            && let Value::Function(number) = self.globals[global as usize]
-                            && let callee = &*program.codes[number as usize]
-                            && let Some(slot) = &callee.slot
-                            && callee.exact_count == u16::from(count)
+                            && let Some(slot) = slot_of(program, &self.globals[global as usize])
+                            && !slot.assigns
                             && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
-                            && !(slot.assigns && self.current == SCRATCH_TASK)
                         {
-                            if slot.assigns {
-                                assign!(r!(first), r[usize::from(first) + 1]);
-                                self.heap.pairs.car_mut(pair).set(&r!(first));
-                            } else {
-                                assign!(r!(first), *self.heap.pairs.car(pair));
-                            }
-                            continue;
+                            assign!(r!(first), *self.heap.pairs.car(pair));
+                            next!();
                         }
                         assign!(r!(first), r!(own));
-                        hand_over!(self.call_global(around, place, global, first, count, false))
+                        hand_over!(self.call_global(around, place, global, first, 1, false))
+                    }
+                    Op::CallSetSlot(first, own, global) => {
+                        burn!();
+                        if !STEPPING
+                            && let Some(slot) = slot_of(program, &self.globals[global as usize])
+                            && slot.assigns
+                            && self.current != SCRATCH_TASK
+                            && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
+                        {
+                            let (at, value) = (usize::from(first), usize::from(first) + 1);
+                            assign!(*self.heap.pairs.car_mut(pair), r[value]);
+                            assign!(r[at], r[value]);
+                            next!();
+                        }
+                        assign!(r!(first), r!(own));
+                        hand_over!(self.call_global(around, place, global, first, 2, false))
                     }
                     Op::TailCall(first, count, global) => {
                         burn!();
@@ -477,7 +600,7 @@ impl Machine {
                             r.copy_within(first..first + count, 0);
                             clear!(callee, 0, count);
                             begin!(callee, number, base);
-                            continue 'frame;
+                            next!();
                         }
                         hand_over!(self.call_global(around, place, global, first, count, true))
                     }
@@ -523,7 +646,7 @@ impl Machine {
                         {
                             assign!(r!(0), r!(a));
                             resume!(frame);
-                            continue 'frame;
+                            enter!();
                         }
                         let value = r!(a);
                         save!();
@@ -555,7 +678,7 @@ impl Machine {
                         {
                             r!(a) = truth;
                             if !is_awaited {
-                                continue;
+                                next!();
                             }
                             hand_over!(self.serve_signal(fluent))
                         }
@@ -575,6 +698,10 @@ impl Machine {
                         hand_over!(self.plan_instruction(around, place, *op))
                     }
                 }
+                if STEPPING {
+                    continue 'frame;
+                }
+                op = fetch!();
             };
             fuel = place.fuel;
             match next? {
