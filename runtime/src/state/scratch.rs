@@ -61,6 +61,8 @@ pub struct Scratch {
     pub(crate) departures: Vec<Departure>,
     /// Departures are being looked at: further ones wait.
     pub(crate) is_departing: bool,
+    /// An empty text that natives write into, for the room it has.
+    pub(crate) draft: String,
     /// When a timer ends the wait that the running task begins: until that is in the trace.
     pub(crate) wake_at: Option<u64>,
     /// Bytes of the output that was added since there was none.
