@@ -117,6 +117,15 @@ impl Machine {
     /// Releases waiters and counts events of fluents that have changed together. Whoever is released
     /// is woken in the order in which they began to wait.
     pub(crate) fn serve(&mut self, fluents: &[u32], is_pulse: bool) {
+        // Those in one line stand in that order, and need not be gathered.
+        if let &[fluent] = fluents
+            && self.fluents[fluent].watches.is_empty()
+        {
+            if let Some(wake) = self.releases(fluent) {
+                self.wake_waiters(fluent, wake);
+            }
+            return;
+        }
         let mut released = Vec::new();
         for &fluent in fluents {
             self.release(fluent, is_pulse, &mut released);
@@ -128,11 +137,19 @@ impl Machine {
         }
     }
 
+    /// What the waiters of a fluent find that is true now, or that has failed.
+    fn releases(&self, fluent: u32) -> Option<Wake> {
+        let fluent = &self.fluents[fluent];
+        match fluent.failure {
+            Some(failure) => Some(Wake::Raise(failure)),
+            None => fluent.reading().is_true().then(|| Wake::Value(*fluent.reading())),
+        }
+    }
+
     /// Notes who is released by one fluent, with the number of its wait, and counts events.
     fn release(&mut self, fluent: u32, is_pulse: bool, released: &mut Vec<(u32, u32, Wake)>) {
-        let reading = *self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
-        let is_true = reading.is_true() || failure.is_some();
+        let is_true = self.fluents[fluent].reading().is_true() || failure.is_some();
         self.fluents[fluent].watches.for_each(|(_, watch)| {
             let Some(entry) = self.watches.get_mut(watch) else { return };
             if is_true && (!entry.was_true || is_pulse) {
@@ -144,8 +161,7 @@ impl Machine {
             }
             entry.was_true = is_true;
         });
-        if is_true {
-            let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
+        if let Some(wake) = self.releases(fluent) {
             let waiters = self.fluents[fluent].waiters.tasks(&self.tasks);
             released.extend(waiters.into_iter().map(|task| (self.tasks[task].wait_number, task, wake)));
         }
@@ -171,7 +187,7 @@ impl Machine {
             entry.is_pulsed = false;
             entry.is_changed = false;
             // Who only reads values is as far as the propagation has brought it.
-            if !pulsed && !(changed && self.scratch.are_events_read) {
+            if !(pulsed || changed && self.scratch.are_events_read) {
                 continue;
             }
             self.fluents[fluent].dependents.for_each(|dependent| {
