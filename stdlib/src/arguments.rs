@@ -51,6 +51,13 @@ pub(crate) fn text(call: &mut Call<'_, '_>, text: &str) -> NativeResult {
     value(call.machine.heap.string(text))
 }
 
+/// Answers with a new string that was written into [`Call::draft`].
+pub(crate) fn drafted(call: &mut Call<'_, '_>, draft: String) -> NativeResult {
+    let answer = text(call, &draft);
+    call.lay_aside(draft);
+    answer
+}
+
 /// Answers with a new list.
 pub(crate) fn list(call: &mut Call<'_, '_>, items: &[Value]) -> NativeResult {
     room_for_pairs(call, items.len())?;
@@ -106,9 +113,7 @@ pub(crate) fn elements(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Value>,
     call.burn(length);
     proper_end(call, at, end)?;
     room_for(call, length * size_of::<Value>())?;
-    let mut items = Vec::with_capacity(length);
-    items.extend(call.machine.heap.spine(call.argument(at)).map(|(_, item)| item));
-    Ok(items)
+    Ok(call.machine.heap.first_elements(call.argument(at), length))
 }
 
 /// A list, a vector, or the text of a string.

@@ -1,6 +1,6 @@
 //! From floats to integers and back, and division with a remainder.
 
-use crate::arguments::{NativeResult, count, pure, text, value};
+use crate::arguments::{NativeResult, count, drafted, pure, value};
 use crate::numbers::{Number, arithmetic_error, division_by_zero, number, overflow};
 use rpl_lang::number::{self, NumberLiteral, begins_like_number, format_float};
 use rpl_runtime::state::failure::Raise;
@@ -115,11 +115,10 @@ fn parse_number(call: &mut Call<'_, '_>) -> NativeResult {
 }
 
 fn number_to_string(call: &mut Call<'_, '_>) -> NativeResult {
-    let shown = match number(call, 0)? {
-        Number::Int(integer) => integer.to_string(),
-        Number::Float(float) => format_float(float),
-    };
-    text(call, &shown)
+    number(call, 0)?;
+    let mut shown = call.draft();
+    call.machine.show_into(call.around.program, call.argument(0), &mut shown);
+    drafted(call, shown)
 }
 
 fn integer_square_root(call: &mut Call<'_, '_>) -> NativeResult {

@@ -1,6 +1,8 @@
 //! Strings. Positions and lengths count characters, not bytes.
 
-use crate::arguments::{NativeResult, count, elements, list, natural, pure, room_for_text, show, text, truth, value};
+use crate::arguments::{
+    NativeResult, count, drafted, elements, list, natural, pure, room_for_text, show, text, truth, value,
+};
 use crate::elements::{characters, part};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -22,11 +24,11 @@ fn string_append(call: &mut Call<'_, '_>) -> NativeResult {
         length += call.str(at)?.len();
     }
     room_for_text(call, length)?;
-    let mut joined = String::with_capacity(length);
+    let mut joined = call.draft();
     for at in 0..count(call) {
         joined.push_str(call.str(at)?);
     }
-    text(call, &joined)
+    drafted(call, joined)
 }
 
 /// Adds a value as `print` shows it, if there is room for the whole.
@@ -46,11 +48,11 @@ fn push_shown(call: &mut Call<'_, '_>, joined: &mut String, value: Value) -> Res
 
 /// The arguments as `print` shows them, one after the other.
 fn concat(call: &mut Call<'_, '_>) -> NativeResult {
-    let mut joined = String::new();
+    let mut joined = call.draft();
     for &argument in call.arguments {
         push_shown(call, &mut joined, argument)?;
     }
-    text(call, &joined)
+    drafted(call, joined)
 }
 
 /// Whether an order holds between all neighbours; symbols count as their names.

@@ -49,6 +49,8 @@ pub struct Scratch {
     pub(crate) reads_event: bool,
     /// Networks that asked for a pulse or a change in this propagation.
     pub(crate) event_readers: BTreeSet<u32>,
+    /// Whether there is one of them, or one that tells of events by itself was reached or made meanwhile.
+    pub(crate) are_events_read: bool,
     /// Networks that have come to read other fluents, while the trace is written.
     pub(crate) rereading: Vec<u32>,
     /// A more important task has become ready.
@@ -59,6 +61,8 @@ pub struct Scratch {
     pub(crate) departures: Vec<Departure>,
     /// Departures are being looked at: further ones wait.
     pub(crate) is_departing: bool,
+    /// An empty text that natives write into, for the room it has.
+    pub(crate) draft: String,
     /// When a timer ends the wait that the running task begins: until that is in the trace.
     pub(crate) wake_at: Option<u64>,
     /// Bytes of the output that was added since there was none.

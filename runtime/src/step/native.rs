@@ -15,6 +15,9 @@ use std::sync::Arc;
 /// So much text is made, or looked through, in the time of one turn of a loop.
 const CHARACTERS_A_STEP: usize = 8;
 
+/// Bytes that are kept from a text that was written for the next one, at most.
+const MAX_DRAFT: usize = 1 << 10;
+
 /// So many pairs are passed in the time of one turn of a loop.
 const PAIRS_A_STEP: usize = 4;
 
@@ -136,6 +139,19 @@ impl Call<'_, '_> {
         let elements = elements.map_err(|_| self.wrong_type(at))?;
         self.burn(elements.len());
         Ok(elements)
+    }
+
+    /// An empty text to write into, which has room for a short one as a rule: it is given back by [`Call::lay_aside`].
+    pub fn draft(&mut self) -> String {
+        std::mem::take(&mut self.machine.scratch.draft)
+    }
+
+    /// Gives back what [`Call::draft`] gave, once it is copied.
+    pub fn lay_aside(&mut self, mut draft: String) {
+        if draft.capacity() <= MAX_DRAFT {
+            draft.clear();
+            self.machine.scratch.draft = draft;
+        }
     }
 
     /// Takes steps from the budget of the task: what walks long data costs as much as a loop over

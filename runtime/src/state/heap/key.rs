@@ -82,6 +82,19 @@ fn spread(number: u64, kind: u64) -> u64 {
     (product >> 64) as u64 ^ product as u64
 }
 
+/// So many bits of an integer tell neighbours apart.
+const NEAR_BITS: u32 = 6;
+
+/// The hash of an integer. Keys are often neighbours, and are then made and asked for in turn; in a table, which looks where
+/// the low bits of a hash say, and compares the highest seven before anything else, they lie side by side as well. Where
+/// such a block of neighbours begins is spread, and that twice: blocks at equal distances are to meet by chance only.
+#[inline]
+fn int_hash(value: i64) -> u64 {
+    let near = value as u64 % (1 << NEAR_BITS);
+    let block = spread(value as u64 >> NEAR_BITS, SPREAD.rotate_left(1));
+    spread(block, SPREAD.rotate_left(5)).wrapping_add(near << 57 | near)
+}
+
 /// The hash of a value that has no parts.
 pub(super) fn atom_hash(strings: &Slab<Text>, value: &Value) -> u64 {
     match *value {
@@ -102,7 +115,7 @@ pub(super) fn kept_atom_hash(strings: &mut Slab<Text>, value: &Value) -> u64 {
 #[inline]
 fn hash_without_text(value: &Value) -> u64 {
     match *value {
-        Value::Int(value) => spread(value as u64, SPREAD.rotate_left(1)),
+        Value::Int(value) => int_hash(value),
         _ => other_hash(value),
     }
 }
@@ -147,5 +160,52 @@ pub(super) fn object(value: Value) -> KeyPart {
         Value::Table(index) => KeyPart::Object(8, index, 0),
         Value::Behaviour(index) => KeyPart::Object(9, u32::from(index), 0),
         _ => KeyPart::Nil,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::int_hash;
+    use std::collections::BTreeSet;
+
+    /// How many groups of 16 places are looked at on average until a key finds its own, in a table that is as full as it gets.
+    fn looks(keys: &[i64]) -> f64 {
+        let groups = (keys.len() * 8 / 7 / 16).next_power_of_two();
+        let mut used = vec![0; groups];
+        let looks_for = |key: &i64| {
+            let (mut group, mut looks) = (int_hash(*key) as usize / 16 % groups, 1);
+            while used[group] == 16 {
+                group = (group + looks) % groups;
+                looks += 1;
+            }
+            used[group] += 1;
+            looks
+        };
+        keys.iter().map(looks_for).sum::<usize>() as f64 / keys.len() as f64
+    }
+
+    #[test]
+    fn integers_in_whatever_order_do_not_meet_at_one_place() {
+        // Seven eighths of a power of two: the table is full.
+        let count = 7 << 13;
+        let steps = (0..44).flat_map(|power| [1_i64, 3, 7].map(|odd| odd << power));
+        for step in steps {
+            let keys: Vec<i64> = (0..count).map(|at| at * step).collect();
+            assert!(looks(&keys) < 6.0, "{} looks for multiples of {step}", looks(&keys));
+        }
+        for (width, row) in
+            [(256, 256), (100, 1000), (16, 1 << 16), (240, 1 << 32), (64, 1 << 40), (5, 1 << 20), (240, 1000)]
+        {
+            let keys: Vec<i64> = (0..count).map(|at| at / width * row + at % width - count / 2).collect();
+            assert!(looks(&keys) < 6.0, "{} looks for rows of {width} at distances of {row}", looks(&keys));
+        }
+    }
+
+    #[test]
+    fn neighbours_are_told_apart_before_they_are_looked_at() {
+        for first in [-16, 0, 16, 1 << 40] {
+            let highest: BTreeSet<u64> = (first..first + 16).map(|key| int_hash(key) >> 57).collect();
+            assert_eq!(highest.len(), 16, "from {first} on");
+        }
     }
 }

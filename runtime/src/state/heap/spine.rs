@@ -80,9 +80,19 @@ impl Heap {
     /// # Errors
     /// The value found where a list was expected: the argument itself, or an improper tail.
     pub fn elements(&self, list: Value) -> Result<Vec<Value>, Value> {
-        let length = self.length(list)?;
-        let mut items = Vec::with_capacity(length);
-        items.extend(self.spine(list).map(|(_, item)| item));
-        Ok(items)
+        Ok(self.first_elements(list, self.length(list)?))
+    }
+
+    /// The first so many elements of a list; all, if it has fewer and is no circle.
+    pub fn first_elements(&self, list: Value, count: usize) -> Vec<Value> {
+        let mut items = Vec::with_capacity(count);
+        let mut at = list;
+        while let Value::Cons(pair) = at
+            && items.len() < count
+        {
+            items.push(*self.pairs.car(pair));
+            at = self.pairs.cdr(pair);
+        }
+        items
     }
 }

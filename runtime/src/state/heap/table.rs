@@ -5,6 +5,7 @@ use super::text::Text;
 use crate::state::slab::Slab;
 use crate::state::value::Value;
 use hashbrown::HashTable;
+use hashbrown::hash_table::Entry as IndexEntry;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The texts of a heap, by which keys that are strings are told apart.
@@ -31,6 +32,12 @@ impl Entry {
             (Some(own), Some(other)) => ***own == **other,
             _ => false,
         }
+    }
+
+    /// Whether it is found by an integer.
+    #[inline]
+    fn is_of_int(&self, key: i64) -> bool {
+        matches!(self.key, Value::Int(own) if own == key)
     }
 
     /// Bytes it takes.
@@ -89,34 +96,40 @@ impl Table {
         self.index.find(key.hash, is_there).map(|&place| place as usize)
     }
 
-    /// The same for a key without parts, by its hash. In each of the two the comparison is seen by the compiler.
-    #[inline]
-    fn atom_place(&self, strings: &Strings, of: &Value, hash: u64) -> Option<usize> {
-        let key_at = |place: u32| &self.entries[place as usize].key;
-        let found = match *of {
-            Value::Int(of) => self.index.find(hash, |&place| matches!(*key_at(place), Value::Int(key) if key == of)),
-            _ => self.index.find(hash, |&place| are_equal_atoms(strings, key_at(place), of)),
-        };
-        found.map(|&place| place as usize)
-    }
-
     /// The value of a key without parts.
     #[inline]
     pub(super) fn atom(&self, strings: &Strings, of: &Value, hash: u64) -> Option<&Value> {
-        self.atom_place(strings, of, hash).map(|place| &self.entries[place].value)
+        let entries = &self.entries;
+        // In each of the two the comparison is seen by the compiler.
+        let found = match *of {
+            Value::Int(of) => self.index.find(hash, |&place| entries[place as usize].is_of_int(of)),
+            _ => self.index.find(hash, |&place| are_equal_atoms(strings, &entries[place as usize].key, of)),
+        };
+        found.map(|&place| &entries[place as usize].value)
     }
 
     /// Sets the value of a key without parts; tells whether that is a new entry.
     #[inline]
     pub(super) fn set_atom(&mut self, strings: &Strings, of: &Value, hash: u64, value: &Value) -> bool {
-        let Some(place) = self.atom_place(strings, of, hash) else {
-            self.add(Entry { hash, key: of.copied(), value: value.copied(), parts: None });
-            return true;
+        let entries = &self.entries;
+        let hash_at = |&place: &u32| entries[place as usize].hash;
+        let place = match *of {
+            Value::Int(of) => self.index.entry(hash, |&place| entries[place as usize].is_of_int(of), hash_at),
+            _ => self.index.entry(hash, |&place| are_equal_atoms(strings, &entries[place as usize].key, of), hash_at),
         };
-        let entry = &mut self.entries[place];
-        entry.key.set(of);
-        entry.value.set(value);
-        false
+        match place {
+            IndexEntry::Occupied(place) => {
+                let entry = &mut self.entries[*place.get() as usize];
+                entry.key.set(of);
+                entry.value.set(value);
+                false
+            }
+            IndexEntry::Vacant(place) => {
+                place.insert(entries.len() as u32);
+                self.entries.push(Entry { hash, key: of.copied(), value: value.copied(), parts: None });
+                true
+            }
+        }
     }
 
     fn add(&mut self, entry: Entry) {

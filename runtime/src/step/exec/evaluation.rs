@@ -8,7 +8,6 @@ use crate::state::task::{Frame, Leaving};
 use crate::state::value::Value;
 use crate::step::exec::arithmetic::{arithmetic, compare};
 use crate::step::exec::{Exit, WINDOW};
-use crate::step::fluents::read;
 use crate::step::native::Surroundings;
 use rpl_lang::code::{Op, PLAIN_REGISTERS, Program};
 
@@ -29,21 +28,29 @@ macro_rules! next {
 
 impl Machine {
     /// The value of a network that is plain, as most conditions are: computed in a few registers of its own, without a frame
-    /// and a budget, of which it would take nothing. None where it is not plain or something in it fails; then nothing has
-    /// happened but that reads may have been noted.
+    /// and a budget, of which it would take nothing. None where it is not plain, something in it fails, or `read` gives up
+    /// on a fluent; then nothing has happened but what `read` did.
     #[expect(unused_variables, reason = "operands that only a failure would name")]
-    pub(crate) fn evaluate_plainly(&mut self, program: &Program, code: u32, captured: &[Value]) -> Option<Value> {
+    #[inline(always)]
+    pub(crate) fn evaluate_plainly<'m>(
+        &'m self,
+        program: &Program,
+        code: u32,
+        captured: &[Value],
+        mut read: impl FnMut(u32) -> Option<&'m Value>,
+    ) -> Option<Value> {
         let code = &*program.codes[code as usize];
         if !code.is_plain || self.scratch.stepping.is_on || self.scratch.evaluations == MAX_EVALUATIONS_DEEP {
             return None;
         }
         let mut registers = [Value::Nil; PLAIN_REGISTERS];
-        for (register, value) in registers.iter_mut().zip(captured) {
-            register.set(value);
+        // What has lain in memory for a while is copied as a whole.
+        for (register, &value) in registers.iter_mut().zip(captured) {
+            *register = value;
         }
         macro_rules! r {
             ($register:expr) => {
-                registers[usize::from($register)]
+                registers[usize::from($register) % PLAIN_REGISTERS]
             };
         }
         let mut rest = &code.ops[..];
@@ -56,15 +63,15 @@ impl Machine {
                 Op::Const(a, constant) => r!(a) = self.constants[constant as usize],
                 Op::Global(a, global) => match &self.globals[global as usize] {
                     Value::Unbound => return None,
-                    value => r!(a).set(value),
+                    &value => r!(a) = value,
                 },
                 Op::Move(a, b) => r!(a) = r!(b).copied(),
                 Op::CellGet(a, b) => {
                     let Value::Cell(cell) = r!(b) else { return None };
-                    r!(a).set(&self.heap.cells[cell]);
+                    r!(a) = self.heap.cells[cell];
                 }
                 Op::Deref(a, b) => match r!(b) {
-                    Value::Fluent(fluent) => r!(a).set(read(&self.fluents, &mut self.scratch.reads, fluent).ok()?),
+                    Value::Fluent(fluent) => r!(a) = *read(fluent)?,
                     value => r!(a) = value,
                 },
                 Op::Add(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "+", checked_add, +),

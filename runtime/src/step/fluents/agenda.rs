@@ -8,21 +8,26 @@ pub(super) type Turn = (u32, u64, u32);
 /// A set of turns that is taken from the first on. Most are known when it is made, and stand in a row.
 #[derive(Debug)]
 pub(super) struct Agenda {
-    /// The first one last, each once.
+    /// In order, each once.
     row: Vec<Turn>,
+    /// How many of them are taken out.
+    taken: usize,
     /// Those that came later, and are not in the row.
     later: BTreeSet<Turn>,
 }
 
 impl Agenda {
     pub(super) fn new(mut turns: Vec<Turn>) -> Self {
-        turns.sort_unstable_by(|left, right| right.cmp(left));
-        turns.dedup();
-        Self { row: turns, later: BTreeSet::new() }
+        // Networks are mostly made one after the other, and then the readers of one fluent are in order.
+        if !turns.is_sorted_by(|left, right| left < right) {
+            turns.sort_unstable();
+            turns.dedup();
+        }
+        Self { row: turns, taken: 0, later: BTreeSet::new() }
     }
 
     pub(super) fn contains(&self, turn: Turn) -> bool {
-        self.row.binary_search_by(|other| turn.cmp(other)).is_ok() || self.later.contains(&turn)
+        self.row[self.taken..].binary_search(&turn).is_ok() || self.later.contains(&turn)
     }
 
     pub(super) fn insert(&mut self, turn: Turn) {
@@ -32,12 +37,14 @@ impl Agenda {
     }
 
     /// Takes the first turn out.
+    #[inline]
     pub(super) fn pop_first(&mut self) -> Option<Turn> {
-        match (self.row.last(), self.later.first()) {
-            (Some(in_row), Some(later)) if later < in_row => self.later.pop_first(),
-            (None, _) => self.later.pop_first(),
-            (Some(_), _) => self.row.pop(),
+        let next = self.row.get(self.taken).copied();
+        if !self.later.is_empty() && next.is_none_or(|next| self.later.first().is_some_and(|&later| later < next)) {
+            return self.later.pop_first();
         }
+        self.taken += usize::from(next.is_some());
+        next
     }
 
     /// The networks whose turn it will be, in order.

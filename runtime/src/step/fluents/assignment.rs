@@ -49,6 +49,8 @@ impl Machine {
         let value = if origin == Origin::Count { Value::Int(0) } else { Value::Nil };
         let fluent = self.create_fluent(Fluent::new(None, value, origin));
         if let Value::Fluent(index) = fluent {
+            // It can be made in the midst of a propagation.
+            self.scratch.are_events_read = true;
             self.set_inputs(index, &[input]);
         }
         fluent

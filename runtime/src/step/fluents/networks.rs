@@ -8,7 +8,9 @@ use crate::state::slab::NONE;
 use crate::state::task::Wake;
 use crate::state::value::Value;
 use crate::step::fluents::agenda::{Agenda, Turn};
+use crate::step::fluents::read;
 use crate::step::native::Surroundings;
+use rpl_lang::code::Program;
 
 /// Whether two lists, mostly of one fluent, are the same.
 #[inline]
@@ -29,6 +31,7 @@ const MAX_EVALUATIONS_OF_ONE: usize = 16;
 impl Machine {
     pub(crate) fn propagate(&mut self, around: &mut Surroundings<'_>, roots: Vec<u32>) {
         self.scratch.event_readers.clear();
+        self.scratch.are_events_read = false;
         self.scratch.rereading.clear();
         let is_pulse = roots.iter().any(|&root| self.fluents[root].is_pulsed);
         let mut touched = roots;
@@ -41,16 +44,21 @@ impl Machine {
                 break;
             }
             evaluations_left -= 1;
-            let fluent = &self.fluents[network];
-            let before = (fluent.value, fluent.failure);
-            self.evaluate(around, network);
-            let fluent = &self.fluents[network];
-            let waits = |&input: &u32| self.fluents[input].is_computed() && dirty.contains(self.turn(input));
-            if fluent.inputs.iter().any(waits) {
-                dirty.insert(self.turn(network));
-                continue;
-            }
-            let changed = before.1 != fluent.failure || !self.heap.equal(before.0, fluent.value);
+            let changed = match self.evaluate_again(around.program, network) {
+                Some(changed) => changed,
+                None => {
+                    let fluent = &self.fluents[network];
+                    let before = (fluent.value, fluent.failure);
+                    self.evaluate(around, network);
+                    let fluent = &self.fluents[network];
+                    let waits = |&input: &u32| self.fluents[input].is_computed() && dirty.contains(self.turn(input));
+                    if fluent.inputs.iter().any(waits) {
+                        dirty.insert(self.turn(network));
+                        continue;
+                    }
+                    before.1 != fluent.failure || !self.heap.equal(before.0, fluent.value)
+                }
+            };
             self.fluents[network].is_changed = changed;
             if changed {
                 self.trace_fluent(around.program, network);
@@ -75,6 +83,7 @@ impl Machine {
     fn fail_circle(&mut self, around: &Surroundings<'_>, circle: Vec<u32>) -> Vec<u32> {
         let message = "this network is computed from itself, and its value never settles";
         let failure = self.failure_from(Raise::new("network-error", message));
+        self.scratch.are_events_read = true;
         for &network in &circle {
             let fluent = &mut self.fluents[network];
             (fluent.value, fluent.failure, fluent.is_changed) = (Value::Nil, Some(failure), true);
@@ -108,6 +117,15 @@ impl Machine {
     /// Releases waiters and counts events of fluents that have changed together. Whoever is released
     /// is woken in the order in which they began to wait.
     pub(crate) fn serve(&mut self, fluents: &[u32], is_pulse: bool) {
+        // Those in one line stand in that order, and need not be gathered.
+        if let &[fluent] = fluents
+            && self.fluents[fluent].watches.is_empty()
+        {
+            if let Some(wake) = self.releases(fluent) {
+                self.wake_waiters(fluent, wake);
+            }
+            return;
+        }
         let mut released = Vec::new();
         for &fluent in fluents {
             self.release(fluent, is_pulse, &mut released);
@@ -119,11 +137,19 @@ impl Machine {
         }
     }
 
+    /// What the waiters of a fluent find that is true now, or that has failed.
+    fn releases(&self, fluent: u32) -> Option<Wake> {
+        let fluent = &self.fluents[fluent];
+        match fluent.failure {
+            Some(failure) => Some(Wake::Raise(failure)),
+            None => fluent.reading().is_true().then(|| Wake::Value(*fluent.reading())),
+        }
+    }
+
     /// Notes who is released by one fluent, with the number of its wait, and counts events.
     fn release(&mut self, fluent: u32, is_pulse: bool, released: &mut Vec<(u32, u32, Wake)>) {
-        let reading = *self.fluents[fluent].reading();
         let failure = self.fluents[fluent].failure;
-        let is_true = reading.is_true() || failure.is_some();
+        let is_true = self.fluents[fluent].reading().is_true() || failure.is_some();
         self.fluents[fluent].watches.for_each(|(_, watch)| {
             let Some(entry) = self.watches.get_mut(watch) else { return };
             if is_true && (!entry.was_true || is_pulse) {
@@ -135,8 +161,7 @@ impl Machine {
             }
             entry.was_true = is_true;
         });
-        if is_true {
-            let wake = failure.map_or(Wake::Value(reading), Wake::Raise);
+        if let Some(wake) = self.releases(fluent) {
             let waiters = self.fluents[fluent].waiters.tasks(&self.tasks);
             released.extend(waiters.into_iter().map(|task| (self.tasks[task].wait_number, task, wake)));
         }
@@ -161,7 +186,8 @@ impl Machine {
             let (pulsed, changed) = (entry.is_pulsed, entry.is_changed);
             entry.is_pulsed = false;
             entry.is_changed = false;
-            if !pulsed && !changed {
+            // Who only reads values is as far as the propagation has brought it.
+            if !(pulsed || changed && self.scratch.are_events_read) {
                 continue;
             }
             self.fluents[fluent].dependents.for_each(|dependent| {
@@ -216,6 +242,7 @@ impl Machine {
             }
             return;
         }
+        self.scratch.are_events_read = true;
         let (value, input) = (fluent.value, fluent.inputs.first().copied());
         let input = input.and_then(|input| self.fluents.get(input));
         let is_pulsed = input.is_some_and(|input| input.is_pulsed);
@@ -228,6 +255,28 @@ impl Machine {
         };
     }
 
+    /// Brings one network up to date that is plain and reads, in the order in which they are kept, the fluents that it has
+    /// read the last time, none of them computed; tells whether it has changed. None, and nothing done, of another one.
+    #[inline]
+    fn evaluate_again(&mut self, program: &Program, network: u32) -> Option<bool> {
+        let fluent = &self.fluents[network];
+        let Origin::Network { code, captured } = &fluent.origin else { return None };
+        let mut inputs = fluent.inputs.iter();
+        let value = self.evaluate_plainly(program, *code, captured, |input| {
+            let fluent = &self.fluents[input];
+            let is_expected = inputs.next() == Some(&input) && !fluent.is_computed();
+            is_expected.then(|| fluent.reading())
+        })?;
+        if inputs.next().is_some() {
+            return None;
+        }
+        self.scratch.work += 1;
+        let fluent = &mut self.fluents[network];
+        let has_changed = fluent.failure.is_some() || !self.heap.equal(fluent.value, value);
+        (fluent.value, fluent.failure) = (value, None);
+        Some(has_changed)
+    }
+
     /// The value of a network that is code, or its failure; notes what it read.
     #[inline]
     fn evaluate_network(
@@ -237,10 +286,14 @@ impl Machine {
         code: u32,
         captured: &[Value],
     ) -> Result<Value, Value> {
-        let first = self.scratch.reads.fluents.len();
-        let outer = std::mem::replace(&mut self.scratch.reads.are_noted, true);
+        let mut reads = std::mem::take(&mut self.scratch.reads);
+        let first = reads.fluents.len();
+        let outer = std::mem::replace(&mut reads.are_noted, true);
+        let note = |input| read(&self.fluents, &mut reads, input).ok();
+        let plain = self.evaluate_plainly(around.program, code, captured, note);
+        self.scratch.reads = reads;
         let outer_event = std::mem::replace(&mut self.scratch.reads_event, false);
-        let result = match self.evaluate_plainly(around.program, code, captured) {
+        let result = match plain {
             Some(value) => Ok(value),
             None => {
                 self.scratch.reads.fluents.truncate(first);
@@ -250,6 +303,7 @@ impl Machine {
         self.scratch.reads.are_noted = outer;
         if std::mem::replace(&mut self.scratch.reads_event, outer_event) {
             self.scratch.event_readers.insert(network);
+            self.scratch.are_events_read = true;
         }
         let reads = &self.scratch.reads.fluents[first..];
         if is_same(&self.fluents[network].inputs, reads) {
