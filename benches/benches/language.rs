@@ -15,7 +15,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 /// How often each program is run.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 15;
 
 /// A program, and what it must come to.
 struct Program {
