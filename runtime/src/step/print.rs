@@ -26,7 +26,7 @@ enum ToPrint {
 fn display(machine: &Machine, program: &Program, value: Value, text: &mut String) {
     match value {
         Value::Str(string) => text.push_str(&machine.heap.strings[string]),
-        Value::Int(value) => integer(value, text),
+        Value::Int(value) => text.push_str(itoa::Buffer::new().format(value)),
         Value::Failure(failure) => {
             let failure = &machine.heap.failures[failure];
             text.extend([machine.symbols.name(failure.class), ": ", &failure.message]);
@@ -90,7 +90,7 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
     let written = match value {
         Value::Nil => write!(text, "nil"),
         Value::True => write!(text, "t"),
-        Value::Int(value) => return integer(value, text),
+        Value::Int(value) => return text.push_str(itoa::Buffer::new().format(value)),
         Value::Float(value) => write!(text, "{}", format_float(value)),
         Value::Symbol(symbol) => write!(text, "{}", name(symbol)),
         Value::Keyword(symbol) => write!(text, ":{}", name(symbol)),
@@ -120,28 +120,6 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
     debug_assert!(written.is_ok(), "writing into a string cannot fail");
 }
 
-/// An integer in decimal digits; as often as numbers become text, the way through a formatter counts.
-fn integer(value: i64, text: &mut String) {
-    // 2⁶³ has nineteen.
-    let mut digits = [b'0'; 19];
-    let (mut left, mut first) = (value.unsigned_abs(), digits.len() - 1);
-    loop {
-        digits[first] = b'0' + (left % 10) as u8;
-        left /= 10;
-        if left == 0 {
-            break;
-        }
-        first -= 1;
-    }
-    if value < 0 {
-        text.push('-');
-    }
-    match str::from_utf8(&digits[first..]) {
-        Ok(digits) => text.push_str(digits),
-        Err(_) => unreachable!("digits are text"),
-    }
-}
-
 impl Machine {
     /// A value as `print` shows it.
     pub fn show(&self, program: &Program, value: Value) -> String {
@@ -169,20 +147,5 @@ impl Machine {
         let mut text = String::new();
         readable(self, program, value, &mut text);
         text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::integer;
-
-    #[test]
-    fn an_integer_has_the_digits_that_it_has_elsewhere() {
-        let near_powers = (0..19).flat_map(|power| [-1, 0, 1].map(|beside| 10_i64.pow(power) + beside));
-        for value in near_powers.flat_map(|value| [value, -value]).chain([i64::MIN, i64::MAX]) {
-            let mut text = String::from("n");
-            integer(value, &mut text);
-            assert_eq!(text, format!("n{value}"));
-        }
     }
 }

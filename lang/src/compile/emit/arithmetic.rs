@@ -49,8 +49,10 @@ impl Emitter<'_, '_> {
 
     /// Emits a sum or difference with a product, if it is one; tells so. In networks it would not be plain.
     fn with_product(&mut self, operation: Binary, left: &Ir, right: &Ir, into: Reg) -> bool {
+        if self.kind == CodeKind::Network {
+            return false;
+        }
         let is_sum = match operation {
-            _ if self.kind == CodeKind::Network => return false,
             Binary::Add => true,
             Binary::Sub => false,
             _ => return false,
