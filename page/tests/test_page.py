@@ -20,12 +20,13 @@ def find(browser, css):
     return browser.find_element(By.CSS_SELECTOR, css)
 
 
-def texts(browser, css):
-    return [node.text for node in browser.find_elements(By.CSS_SELECTOR, css)]
-
-
 def script(browser, code, *arguments):
     return browser.execute_script(code, *arguments)
+
+
+def texts(browser, css):
+    # All at once: the page may take a node away between finding it and asking for its text.
+    return script(browser, "return [...document.querySelectorAll(arguments[0])].map((node) => node.innerText.trim());", css)
 
 
 def shown_s(browser):
