@@ -16,7 +16,7 @@ use crate::terminal::console::Console;
 use crate::terminal::page::Block;
 use crate::terminal::table::NOTHING;
 use anyhow::{Context, Result, bail};
-use rpl_robot::active::{ActiveParameters, choose, choose_exactly};
+use rpl_robot::active::{ActiveParameters, choose, choose_exactly, consider};
 use rpl_robot::geometry::distance_m;
 use rpl_robot::localization::{Localization, LocalizationModel};
 use rpl_robot::office::OfficeModel;
@@ -65,7 +65,7 @@ impl Choices {
         let (Some(folder), Some(map)) = (folder.as_mut(), &office.map) else { return Ok(()) };
         let (model, parameters) = (&map.localization, &office.settings.active);
         let maxima = localization.maxima(model, parameters.max_maxima, parameters.min_mass);
-        let considered = choose(model, &maxima, &[], parameters);
+        let considered = consider(model, &maxima, &[], parameters);
         considered.map_or(Ok(()), |(choice, field)| choice_figures::write(folder, name, &choice, &field))
     }
 }
@@ -128,7 +128,7 @@ impl ExperimentKind for Choices {
 fn pair(model: &LocalizationModel, localization: &Localization, parameters: &ActiveParameters) -> Option<Pair> {
     let began = Instant::now();
     let maxima = localization.maxima(model, parameters.max_maxima, parameters.min_mass);
-    let (shortcut, _) = choose(model, &maxima, &[], parameters)?;
+    let shortcut = choose(model, &maxima, &[], parameters)?;
     let shortcut_ms = began.elapsed().as_secs_f64() * 1e3;
     let exact = choose_exactly(model, localization, shortcut.target_in_base, parameters)?;
     Some(Pair {

@@ -35,7 +35,11 @@ impl ActionGrid {
 
     /// Middle of a cell.
     pub fn point_in_base(self, cell: usize) -> Point {
-        let (row, column) = (cell / self.side(), cell % self.side());
+        self.point_at(cell % self.side(), cell / self.side())
+    }
+
+    /// The same by column and row.
+    pub fn point_at(self, column: usize, row: usize) -> Point {
         let along = |index: usize| (index as f64 - self.reach as f64) * self.resolution_m;
         Point::new(along(column), along(row))
     }

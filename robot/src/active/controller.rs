@@ -1,6 +1,6 @@
 //! The state machine: wander, choose, follow, choose again, until the pose is known.
 
-use super::choice::{ActionField, Choice, choose};
+use super::choice::{ActionField, Choice, choose, consider};
 use super::parameters::{ActiveParameters, Exploration};
 use crate::geometry::{Point, Pose, distance_m};
 use crate::localization::{Localization, LocalizationModel, Maximum};
@@ -217,9 +217,9 @@ impl ActiveLocalization {
         }
     }
 
-    /// What it would choose now, and all that it considers. Costs as much as [`choose`].
+    /// What it would choose now, and all that there is to choose from.
     pub fn considered(&self, model: &LocalizationModel, localization: &Localization) -> Option<(Choice, ActionField)> {
-        choose(model, &self.maxima(model, localization), &self.obstacles_in_base(), &self.parameters)
+        consider(model, &self.maxima(model, localization), &self.obstacles_in_base(), &self.parameters)
     }
 
     fn obstacles_in_base(&self) -> Vec<Point> {
@@ -232,7 +232,7 @@ impl ActiveLocalization {
         let robot = self.odometry_in_odom;
         self.looked_at = localization.updates();
         match choose(model, &maxima, &self.obstacles_in_base(), &self.parameters) {
-            Some((choice, _)) => {
+            Some(choice) => {
                 let path_in_odom = choice.path_in_base.iter().map(|&point| robot.transform(point)).collect();
                 self.phase = SearchPhase::Follow { path_in_odom, maxima, chosen_at_in_odom: robot };
                 self.choice = Some(choice);

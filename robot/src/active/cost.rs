@@ -25,9 +25,8 @@ pub(super) struct CostField {
 /// placed near a wall.
 fn entering(grid: ActionGrid, occupancy: &[f32], cell: usize, cells: f64, parameters: &ActiveParameters) -> f64 {
     let probability = f64::from(occupancy[cell]);
-    let point = grid.point_in_base(cell);
-    let near_robot = point.x * point.x + point.y * point.y < 0.6 * 0.6;
-    if probability > parameters.blocked_probability && !near_robot {
+    let is_near_robot = || grid.point_in_base(cell).coords.norm_squared() < 0.6 * 0.6;
+    if probability > parameters.blocked_probability && !is_near_robot() {
         return f64::INFINITY;
     }
     cells * grid.resolution_m * (1.0 + parameters.occupied_cost * probability)

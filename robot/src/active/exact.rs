@@ -1,6 +1,6 @@
 //! The choice by the sum over the states of the belief: the oracle for the shortcut by maxima.
 
-use super::choice::{ActionField, Choice, choose_among};
+use super::choice::{ActionField, Choice, consider_by};
 use super::entropy::EntropyForecast;
 use super::parameters::ActiveParameters;
 use crate::geometry::Point;
@@ -41,7 +41,7 @@ pub fn choose_exactly(
     let states = thinned(localization.likely_states(model, SHARE), STATES);
     let truths = thinned(states.clone(), SENSINGS);
     let forecast = EntropyForecast::over(model, &states, &truths, parameters);
-    let (choice, field) = choose_among(model, &states, &[], parameters, &forecast)?;
+    let (choice, field) = consider_by(model, &states, &[], parameters, &forecast)?;
     let worth = |cost_m: f64, entropy: f64| -(entropy + parameters.alpha_per_m * cost_m);
     let payoff = worth(choice.cost_m, choice.expected_entropy);
     let payoff_of_other = field

@@ -23,7 +23,7 @@ mod sensing;
 mod tests;
 
 pub use action::ActionGrid;
-pub use choice::{ActionField, Choice, choose};
+pub use choice::{ActionField, Choice, choose, consider};
 pub use controller::{ActiveLocalization, Intent};
 pub use exact::{ExactChoice, choose_exactly};
 pub use parameters::{ActiveParameters, Exploration};

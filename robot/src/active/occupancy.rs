@@ -51,12 +51,14 @@ fn add_seen_from(
     field: &mut [f32],
 ) {
     let (sin, cos) = libm::sincos(robot_in_map.heading_rad);
-    for (cell, value) in field.iter_mut().enumerate() {
-        let point = grid.point_in_base(cell);
-        let in_map = Point::new(
-            robot_in_map.x_m + cos * point.x - sin * point.y,
-            robot_in_map.y_m + sin * point.x + cos * point.y,
-        );
-        *value += (weight * occupied(model.distances.clearance_m(in_map), parameters)) as f32;
+    for (row, values) in field.chunks_exact_mut(grid.side()).enumerate() {
+        for (column, value) in values.iter_mut().enumerate() {
+            let point = grid.point_at(column, row);
+            let in_map = Point::new(
+                robot_in_map.x_m + cos * point.x - sin * point.y,
+                robot_in_map.y_m + sin * point.x + cos * point.y,
+            );
+            *value += (weight * occupied(model.distances.clearance_m(in_map), parameters)) as f32;
+        }
     }
 }

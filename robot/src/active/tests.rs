@@ -5,6 +5,7 @@ use super::*;
 use crate::geometry::{Point, Pose, distance_m};
 use crate::localization::{Localization, LocalizationModel, LocalizationParameters, Maximum, Spread};
 use crate::occupancy::{Cell, OccupancyGrid};
+use rpl_random::Stream;
 use std::f64::consts::PI;
 
 const LENGTH_M: f64 = 12.0;
@@ -52,7 +53,7 @@ const START: Pose = Pose { x_m: 4.5, y_m: 4.5, heading_rad: 0.0 };
 #[test]
 fn the_distinguishing_room_is_chosen() {
     let model = model(true);
-    let (choice, _) = choose(&model, &two_maxima(START), &[], &parameters()).expect("there is a way");
+    let choice = choose(&model, &two_maxima(START), &[], &parameters()).expect("there is a way");
     let target = START.transform(choice.target_in_base);
     // The room differs behind either door, and both doors are the same target for the two poses.
     assert!(target.y > 6.0 || target.y < 3.0, "{target}");
@@ -65,15 +66,30 @@ fn the_distinguishing_room_is_chosen() {
 #[test]
 fn nothing_is_expected_of_a_place_that_looks_the_same() {
     let parameters = parameters();
-    let (_, field) = choose(&model(false), &two_maxima(START), &[], &parameters).expect("there is a way");
+    let (_, field) = consider(&model(false), &two_maxima(START), &[], &parameters).expect("there is a way");
     for &entropy in field.expected_entropy.iter().filter(|entropy| entropy.is_finite()) {
         assert!(entropy > 0.6 && f64::from(entropy) <= std::f64::consts::LN_2 + 1e-6, "{entropy}");
     }
 }
 
 #[test]
+fn what_is_not_looked_at_would_not_have_been_chosen() {
+    let model = model(true);
+    let mut stream = Stream::new(10_320, "maxima");
+    let mut anywhere = |_| {
+        let (x_m, y_m) = (stream.uniform_in(0.5, LENGTH_M - 0.5), stream.uniform_in(0.5, WIDTH_M - 0.5));
+        Maximum { pose_in_map: Pose::new(x_m, y_m, stream.uniform_in(-PI, PI)), mass: stream.uniform_in(0.05, 0.25) }
+    };
+    for count in (1..=4).cycle().take(24) {
+        let maxima: Vec<Maximum> = (0..count).map(&mut anywhere).collect();
+        let all = consider(&model, &maxima, &[], &parameters()).map(|(choice, _)| choice);
+        assert_eq!(choose(&model, &maxima, &[], &parameters()), all, "{maxima:?}");
+    }
+}
+
+#[test]
 fn fields_agree_with_each_other() {
-    let (choice, field) = choose(&model(true), &two_maxima(START), &[], &parameters()).expect("there is a way");
+    let (choice, field) = consider(&model(true), &two_maxima(START), &[], &parameters()).expect("there is a way");
     let best = field.grid.cell_at(choice.target_in_base).expect("the target is on the grid");
     let payoff = f64::from(field.payoff[best]);
     assert!((payoff + choice.expected_entropy + parameters().alpha_per_m * choice.cost_m).abs() < 1e-5);
@@ -89,7 +105,7 @@ fn fields_agree_with_each_other() {
 fn left_of_the_robot_is_positive_y() {
     let model = model(true);
     let one = [Maximum { pose_in_map: Pose::new(6.0, 4.5, 0.0), mass: 1.0 }];
-    let (_, field) = choose(&model, &one, &[], &parameters()).expect("there is a way");
+    let (_, field) = consider(&model, &one, &[], &parameters()).expect("there is a way");
     // The door at the top, at (8.5, 6), lies ahead and to the left of a robot that looks along x.
     let occupancy = |x: f64, y: f64| field.grid.cell_at(Point::new(x, y)).map(|cell| field.occupancy[cell]);
     assert!(occupancy(2.4, 1.4).is_some_and(|value| value < 0.5));
@@ -102,9 +118,9 @@ fn occupancy_is_the_overlay_weighted_by_mass() {
     let mut maxima = two_maxima(START);
     maxima[0].mass = 0.3;
     maxima[1].mass = 0.1;
-    let alone = |index: usize| choose(&model, &maxima[index..=index], &[], &parameters()).expect("there is a way").1;
+    let alone = |index: usize| consider(&model, &maxima[index..=index], &[], &parameters()).expect("there is a way").1;
     let (a, b) = (alone(0).occupancy, alone(1).occupancy);
-    let (_, both) = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
+    let (_, both) = consider(&model, &maxima, &[], &parameters()).expect("there is a way");
     for (cell, value) in both.occupancy.iter().enumerate() {
         assert!((value - (0.75 * a[cell] + 0.25 * b[cell])).abs() < 1e-5);
     }
@@ -118,7 +134,7 @@ fn the_sum_over_the_belief_chooses_as_well_as_the_maxima_when_these_are_all_ther
     let localization =
         Localization::start_at(&model, a, exact).merged(&model, &Localization::start_at(&model, b, exact));
     let maxima = localization.maxima(&model, 10, 0.01);
-    let (choice, _) = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
+    let choice = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
     let sum = choose_exactly(&model, &localization, choice.target_in_base, &parameters()).expect("there is a way");
     assert!((sum.choice.current_entropy - std::f64::consts::LN_2).abs() < 0.3, "{}", sum.choice.current_entropy);
     let other = sum.payoff_of_other.expect("there is a way for both");
@@ -129,8 +145,8 @@ fn the_sum_over_the_belief_chooses_as_well_as_the_maxima_when_these_are_all_ther
 fn a_way_found_blocked_is_left() {
     let model = model(true);
     let maxima = two_maxima(START);
-    let (first, _) = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
-    let (second, _) = choose(&model, &maxima, &[first.target_in_base], &parameters()).expect("there is another");
+    let first = choose(&model, &maxima, &[], &parameters()).expect("there is a way");
+    let second = choose(&model, &maxima, &[first.target_in_base], &parameters()).expect("there is another");
     assert!(distance_m(first.target_in_base, second.target_in_base) > 0.4);
     assert!(choose(&model, &[], &[], &parameters()).is_none());
 }
