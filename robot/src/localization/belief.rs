@@ -20,6 +20,9 @@ use std::sync::Arc;
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
 
+/// So many planes are blurred together: before and after they take memory twice.
+const BLURRED_AT_A_TIME: usize = 10;
+
 /// With less than this (of [`LIFT`]), motion has left nothing.
 const LEAST_EVIDENCE: f64 = 1e-15;
 
@@ -390,17 +393,23 @@ impl Belief {
     /// Spreads every plane by `[g, 1 − 2g, g]` over its neighbours in heading, aligned by where their cells really are.
     fn blur_headings(&mut self, model: &LocalizationModel, spread: f64) {
         let around = self.surroundings(model);
-        let before = self.planes.clone();
+        let mut before = self.planes.clone();
         let count = before.len();
-        update_planes(&mut self.planes, |heading, plane| {
-            let shares = [(heading + count - 1) % count, (heading + 1) % count].map(|next| {
-                let away = |axis: usize| before[next].offset_cells[axis] - plane.offset_cells[axis];
-                Share { plane: &before[next], by_cells: [0, 1].map(|axis| libm::round(away(axis)) as i64) }
+        for first in (0..count).step_by(BLURRED_AT_A_TIME) {
+            let blurred = first..(first + BLURRED_AT_A_TIME).min(count);
+            update_planes(&mut self.planes[blurred.clone()], |in_group, plane| {
+                let heading = first + in_group;
+                let shares = [(heading + count - 1) % count, (heading + 1) % count].map(|next| {
+                    let away = |axis: usize| before[next].offset_cells[axis] - plane.offset_cells[axis];
+                    Share { plane: &before[next], by_cells: [0, 1].map(|axis| libm::round(away(axis)) as i64) }
+                });
+                if before[heading].is_active() || shares.iter().any(|share| share.plane.is_active()) {
+                    plane.tiles = around.blended(&before[heading], &shares, spread as f32);
+                }
             });
-            if before[heading].is_active() || shares.iter().any(|share| share.plane.is_active()) {
-                plane.tiles = around.blended(&before[heading], &shares, spread as f32);
-            }
-        });
+            // The next group looks at the last of this one, the last plane at the first, and nobody at the others.
+            before.iter_mut().take(blurred.end - 1).skip(1).for_each(|plane| plane.tiles = Arc::default());
+        }
     }
 
     /// Eq. (2), selectively by Eqs. (3) and (4), and normalizes: takes in a scan of each sensor of the

@@ -8,8 +8,9 @@ use super::tile::Tile;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// With fewer tiles than this, handing them to other threads costs more than it gains.
-pub(super) const TILES_FOR_THREADS: usize = 256;
+/// With fewer tiles than this, a millisecond of work, waking other threads and letting them wait for more takes as long
+/// as they save.
+pub(super) const TILES_FOR_THREADS: usize = 1024;
 
 /// A scan to be weighed.
 struct Evidence<'m> {
