@@ -97,13 +97,16 @@ impl ExpectedBins {
         let free = (0..TILE).filter(|&cell| self.ground.is_free(place(cell)));
         let points: Vec<(usize, Point)> = free.map(|cell| (cell, self.grid.centre_of(place(cell)))).collect();
         let points = self.sweeps.points(&points);
-        let mut rays = vec![[NO_ECHO; TILE]; self.directions];
-        for direction in (0..self.directions).step_by(self.stride()) {
-            let bins = &mut rays[direction];
-            let ray = direction_of(direction, self.directions);
-            self.sweeps.sweep(&points, ray, self.max_range_m + self.mount_radius_m, |cell, range_m| {
-                bins[cell] = sensor::bin(range_m - self.mount_radius_m, self.max_range_m);
-            });
+        let count = self.directions / self.stride();
+        // After the last ones the first ones come once more, as many as a cone has.
+        let mut rays = vec![[NO_ECHO; TILE]; count + 2 * self.half_cone / self.stride()];
+        for (number, bins) in rays[..count].iter_mut().enumerate() {
+            let ray = direction_of(number * self.stride(), self.directions);
+            let bin = |range_m: f64| sensor::bin(range_m - self.mount_radius_m, self.max_range_m);
+            self.sweeps.sweep(&points, ray, self.max_range_m + self.mount_radius_m, bin, |cell, bin| bins[cell] = bin);
+        }
+        for number in count..rays.len() {
+            rays[number] = rays[number % count];
         }
         self.widened_to_cones(rays)
     }
@@ -113,23 +116,32 @@ impl ExpectedBins {
         if self.half_cone >= 4 && self.directions.is_multiple_of(2) { 2 } else { 1 }
     }
 
-    /// The smallest bin within half a cone on either side.
-    fn widened_to_cones(&self, rays: Vec<[u8; TILE]>) -> Box<TileBins> {
-        if self.half_cone == 0 {
-            return rays.into_boxed_slice();
-        }
-        let mut cones = rays.clone();
-        for (direction, cone) in cones.iter_mut().enumerate() {
-            for step in self.directions - self.half_cone..=self.directions + self.half_cone {
-                let ray = (direction + step) % self.directions;
-                if ray.is_multiple_of(self.stride()) {
-                    let bins = cone.iter_mut().zip(&rays[ray]);
-                    bins.for_each(|(nearest, &bin)| *nearest = (*nearest).min(bin));
-                }
+    /// The smallest bin within half a cone on either side of each direction: the smaller one of two runs of rays, which
+    /// together are the cone.
+    fn widened_to_cones(&self, mut runs: Vec<[u8; TILE]>) -> Box<TileBins> {
+        let stride = self.stride();
+        // Around every other direction a cone may have a ray more.
+        let levels = ((2 * self.half_cone + 1) / stride).ilog2();
+        for half in (0..levels).map(|level| 1 << level) {
+            for first in 0..runs.len() - half {
+                let (run, beside) = runs.split_at_mut(first + half);
+                run[first] = smaller(&run[first], &beside[0]);
             }
         }
-        cones.into_boxed_slice()
+        let cone = |direction: usize| {
+            let here = direction + self.directions;
+            let (first, last) = ((here - self.half_cone).div_ceil(stride), (here + self.half_cone) / stride);
+            let turn = self.directions / stride;
+            let begin = first % turn;
+            smaller(&runs[begin], &runs[begin + last - first + 1 - (1 << levels)])
+        };
+        (0..self.directions).map(cone).collect()
     }
+}
+
+/// Bin by bin.
+fn smaller(a: &[u8; TILE], b: &[u8; TILE]) -> [u8; TILE] {
+    std::array::from_fn(|cell| a[cell].min(b[cell]))
 }
 
 /// Cosine and sine of a direction; opposite ones are so to the last bit.

@@ -8,15 +8,14 @@ use std::ops::Range;
 /// Far above rounding, far below anything that matters.
 const NUDGE_CELLS: f64 = 1e-6;
 
-/// Points are rounded to such parts of a cell, so that two that mirror each other do so exactly.
-const PARTS: f64 = 65536.0;
+/// Points are rounded to parts of a cell, so many for each as this power of two, so that two that mirror each other do so
+/// exactly.
+const PARTS_LOG2: u32 = 16;
+const PARTS: f64 = (1 << PARTS_LOG2) as f64;
 
 /// How far beyond the edge of a cell its surface is told, as rays that feel their way end on the average: what is
 /// fitted to such rays, like the depth of walls, holds for sweeps as well.
 const DEPTH_CELLS: f64 = 0.25;
-
-/// A ray that meets nothing.
-const NOTHING: u16 = u16::MAX;
 
 /// A map to be swept.
 #[derive(Debug)]
@@ -34,8 +33,21 @@ pub struct SweepMap {
 struct Layers {
     /// Cells of one.
     lanes: usize,
-    /// `[layer][lane]`: 0 where something stands, else all bits.
-    free: Vec<u8>,
+    /// Where things stand, layer by layer.
+    runs: Vec<Run>,
+    /// `[layer][block]` the first run that goes on in a block of lanes or comes after it; the last one of a layer is where
+    /// its runs end.
+    begins: Vec<u32>,
+}
+
+/// Lanes of a block: within them runs are looked for one by one.
+const BLOCK: usize = 64;
+
+/// Lanes of a layer, one beside the other, in which something stands.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    first: u32,
+    end: u32,
 }
 
 /// Points from which distances are wanted.
@@ -51,8 +63,8 @@ pub struct SweepPoints {
 #[derive(Debug)]
 struct Line {
     along: f64,
-    /// Where each lies across, growing, and its number.
-    points: Vec<(f64, usize)>,
+    /// Where each lies across in parts of a cell, growing, and its number.
+    points: Vec<(i64, usize)>,
 }
 
 /// Which lane of a layer a ray passes.
@@ -69,9 +81,9 @@ struct Shear {
 }
 
 impl Shear {
-    /// Where a ray through a point passes the middle of the map.
-    fn across_middle(self, along: f64, across: f64) -> f64 {
-        across - self.slope * (along - self.middle) + self.aside
+    /// By how many parts of a cell a ray through a point of a line is to be moved to where it passes the middle of the map.
+    fn parts_to_middle(self, along: f64) -> i64 {
+        floor((self.aside - self.slope * (along - self.middle)) * PARTS)
     }
 
     /// By how many lanes rays have gone aside in a layer.
@@ -86,17 +98,20 @@ impl Shear {
 }
 
 impl SweepMap {
-    /// Cost: two passes over the cells, and two bytes for each.
+    /// Cost: a pass over the cells, and memory for what stands on the map.
     pub fn new(map: &OccupancyGrid) -> Self {
-        let free = |cell: Cell| if cell == Cell::Occupied { 0 } else { u8::MAX };
-        let rows: Vec<u8> = map.cells.iter().map(|&cell| free(cell)).collect();
-        let mut columns = vec![0; rows.len()];
-        transpose(&rows, map.columns, map.rows, &mut columns);
+        let (mut columns, mut rows) = (vec![Vec::new(); map.columns], vec![Vec::new(); map.rows]);
+        for (row, cells) in map.cells.chunks_exact(map.columns.max(1)).enumerate() {
+            for (column, _) in cells.iter().enumerate().filter(|&(_, &cell)| cell == Cell::Occupied) {
+                add_lane(&mut rows[row], column as u32);
+                add_lane(&mut columns[column], row as u32);
+            }
+        }
         Self {
             resolution_m: map.resolution_m,
             origin_in_frame: map.origin_in_frame,
-            columns: Layers { lanes: map.rows, free: columns },
-            rows: Layers { lanes: map.columns, free: rows },
+            columns: Layers::new(map.rows, &columns),
+            rows: Layers::new(map.columns, &rows),
         }
     }
 
@@ -113,10 +128,17 @@ impl SweepMap {
 
     /// Distance from each point to the first occupied cell in a direction `(cos, sin)`, at most `max_m`: to half a
     /// cell and without bias like that of [`DistanceField::cast_m`](super::DistanceField::cast_m), and the same for a
-    /// map and rays that are turned by 180°. Space outside the map is empty. `found` is told the number of each point and its
-    /// distance. Cost: some tenths of a nanosecond for each cell of the map between the points and `max_m` from
-    /// them, and a few nanoseconds for each point.
-    pub fn sweep(&self, points: &SweepPoints, (cos, sin): (f64, f64), max_m: f64, mut found: impl FnMut(usize, f64)) {
+    /// map and rays that are turned by 180°. Space outside the map is empty. `found` is told the number of each point and what
+    /// `of_range_m` makes of its distance, which is asked once for many that are alike. Cost: some tenths of a
+    /// nanosecond for each cell of the map between the points and `max_m` from them, and a nanosecond for each point.
+    pub fn sweep<T: Copy>(
+        &self,
+        points: &SweepPoints,
+        (cos, sin): (f64, f64),
+        max_m: f64,
+        of_range_m: impl Fn(f64) -> T,
+        mut found: impl FnMut(usize, T),
+    ) {
         let is_steep = libm::fabs(sin) > libm::fabs(cos);
         let (layers, lines) = if is_steep { (&self.rows, &points.rows) } else { (&self.columns, &points.columns) };
         let (ahead, aside) = if is_steep { (sin, cos) } else { (cos, sin) };
@@ -133,6 +155,10 @@ impl SweepMap {
         layer = layer.clamp(0, (layers.count() as i64 - 1).max(0));
         let onward = if goes_up { -1 } else { 1 };
         let mut lanes = Lanes::of(lines, shear);
+        // By layers up to what is met: the same for all lines that begin alike in their cells, as they do where they are a
+        // whole number of cells apart.
+        let (mut known, mut known_begin) = (Vec::new(), f64::NAN);
+        let nothing = of_range_m(max_m);
         let (length_m, depth_m) = (self.resolution_m / libm::fabs(ahead), DEPTH_CELLS * self.resolution_m);
         for number in 0..lines.len() {
             let line = &lines[if goes_up { lines.len() - 1 - number } else { number }];
@@ -141,69 +167,113 @@ impl SweepMap {
                 lanes.pass(layers, layer, shear.lanes(layer));
                 layer += onward;
             }
+            let to_middle = shear.parts_to_middle(line.along);
             let begin = if goes_up { here as f64 - line.along } else { line.along - (here + 1) as f64 };
+            if begin != known_begin {
+                known_begin = begin;
+                known.clear();
+                known.resize(reach as usize + 1, None);
+            }
             for &(across, number) in &line.points {
-                let distance_m = match lanes.at(shear.across_middle(line.along, across)) {
-                    NOTHING => max_m,
-                    0 => 0.0,
-                    steps => ((begin + f64::from(steps)) * length_m + depth_m).min(max_m),
+                let of_steps = |steps: u32| match steps {
+                    0 => of_range_m(0.0),
+                    steps => of_range_m(((begin + f64::from(steps)) * length_m + depth_m).min(max_m)),
                 };
-                found(number, distance_m);
+                let steps = lanes.at((across + to_middle) >> PARTS_LOG2);
+                let value = match known.get_mut(steps as usize) {
+                    Some(known) => *known.get_or_insert_with(|| of_steps(steps)),
+                    // Farther than `max_m`.
+                    None => nothing,
+                };
+                found(number, value);
             }
         }
     }
 }
 
-impl Layers {
-    fn count(&self) -> usize {
-        self.free.len() / self.lanes.max(1)
-    }
-
-    /// Those of the lanes of a layer that are on the map.
-    fn free(&self, layer: i64, lanes: Range<i64>) -> &[u8] {
-        if !(0..self.count() as i64).contains(&layer) {
-            return &[];
-        }
-        let on_map = |lane: i64| lane.clamp(0, self.lanes as i64) as usize;
-        &self.free[layer as usize * self.lanes..][on_map(lanes.start)..on_map(lanes.end)]
+/// Lanes are added one after the other.
+fn add_lane(runs: &mut Vec<Run>, lane: u32) {
+    match runs.last_mut() {
+        Some(run) if run.end == lane => run.end += 1,
+        _ => runs.push(Run { first: lane, end: lane + 1 }),
     }
 }
 
-/// Rays side by side: how many layers on each of them meets something.
+impl Layers {
+    fn new(lanes: usize, layers: &[Vec<Run>]) -> Self {
+        let (mut begins, mut before) = (Vec::new(), 0);
+        for runs in layers {
+            let mut passed = 0;
+            for block in 0..Self::blocks(lanes) {
+                passed += runs[passed..].iter().take_while(|run| run.end as usize <= block * BLOCK).count();
+                begins.push((before + passed) as u32);
+            }
+            before += runs.len();
+            begins.push(before as u32);
+        }
+        Self { lanes, runs: layers.concat(), begins }
+    }
+
+    fn blocks(lanes: usize) -> usize {
+        lanes.div_ceil(BLOCK)
+    }
+
+    fn count(&self) -> usize {
+        self.begins.len() / (Self::blocks(self.lanes) + 1)
+    }
+
+    /// In which of some lanes of a layer things stand, counted from the first of them.
+    fn occupied(&self, layer: i64, lanes: Range<i64>) -> impl Iterator<Item = Range<usize>> {
+        let on_map = |lane: i64| lane.clamp(0, self.lanes as i64) as u32;
+        let [begin, end] = [lanes.start, lanes.end].map(on_map);
+        let layer = usize::try_from(layer).ok().filter(|&layer| layer < self.count() && begin < end);
+        let runs = layer.map_or(&[][..], |layer| {
+            let blocks = &self.begins[layer * (Self::blocks(self.lanes) + 1)..];
+            &self.runs[blocks[begin as usize / BLOCK] as usize..blocks[Self::blocks(self.lanes)] as usize]
+        });
+        let lane = move |lane: u32| (i64::from(lane) - lanes.start) as usize;
+        runs.iter()
+            .skip_while(move |run| run.end <= begin)
+            .take_while(move |run| run.first < end)
+            .map(move |run| lane(run.first.max(begin))..lane(run.end.min(end)))
+    }
+}
+
+/// Rays side by side, and where each meets something.
 struct Lanes {
     /// The lane of the first at the middle of the map.
     first: i64,
-    steps: Vec<u16>,
+    /// How many layers had been passed, this one included, when something was met; 0 where nothing was.
+    met_at: Vec<u32>,
+    passed: u32,
 }
 
 impl Lanes {
     /// All that begin at some point.
     fn of(lines: &[Line], shear: Shear) -> Self {
-        let edges = |line: &Line| {
-            let ends = [line.points.first(), line.points.last()];
-            ends.map(|end| end.map_or(0.0, |end| shear.across_middle(line.along, end.0)))
-        };
-        let least = lines.iter().map(|line| edges(line)[0]).fold(f64::INFINITY, f64::min);
-        let most = lines.iter().map(|line| edges(line)[1]).fold(f64::NEG_INFINITY, f64::max);
-        let first = floor(least);
-        Self { first, steps: vec![NOTHING; (floor(most) - first + 1).max(0) as usize] }
+        let edges = lines.iter().filter_map(|line| {
+            let lane = |(across, _): &(i64, usize)| (across + shear.parts_to_middle(line.along)) >> PARTS_LOG2;
+            Some([line.points.first().map(lane)?, line.points.last().map(lane)?])
+        });
+        let [first, last] = edges.fold([i64::MAX, i64::MIN], |[a, b], [first, last]| [a.min(first), b.max(last)]);
+        Self { first, met_at: vec![0; (last - first + 1) as usize], passed: 0 }
     }
 
     /// Goes one layer back.
     fn pass(&mut self, layers: &Layers, layer: i64, aside: i64) {
+        self.passed += 1;
         let from = self.first + aside;
-        let free = layers.free(layer, from..from + self.steps.len() as i64);
-        let begin = (-from).clamp(0, (self.steps.len() - free.len()) as i64) as usize;
-        let onward = |steps: &mut u16| *steps = steps.saturating_add(1);
-        self.steps[..begin].iter_mut().for_each(onward);
-        self.steps[begin + free.len()..].iter_mut().for_each(onward);
-        for (steps, &free) in self.steps[begin..].iter_mut().zip(free) {
-            *steps = steps.saturating_add(1) & (u16::from(free) << 8 | u16::from(free));
+        for occupied in layers.occupied(layer, from..from + self.met_at.len() as i64) {
+            self.met_at[occupied].fill(self.passed);
         }
     }
 
-    fn at(&self, across: f64) -> u16 {
-        self.steps[(across - self.first as f64) as usize]
+    /// How many layers on something is met; more than there are if nothing is.
+    fn at(&self, lane: i64) -> u32 {
+        match self.met_at[(lane - self.first) as usize] {
+            0 => u32::MAX,
+            met_at => self.passed - met_at,
+        }
     }
 }
 
@@ -219,23 +289,9 @@ fn lines(mut points: Vec<(f64, f64, usize)>) -> Vec<Line> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let of = |line: &[(f64, f64, usize)]| Line {
         along: line[0].0,
-        points: line.iter().map(|&(_, across, number)| (across, number)).collect(),
+        points: line.iter().map(|&(_, across, number)| ((across * PARTS) as i64, number)).collect(),
     };
     points.chunk_by(|a, b| a.0 == b.0).map(of).collect()
-}
-
-/// Block by block, so that what is read and written stays in the cache.
-fn transpose(rows: &[u8], columns: usize, count: usize, out: &mut [u8]) {
-    const BLOCK: usize = 32;
-    for row in (0..count).step_by(BLOCK) {
-        for column in (0..columns).step_by(BLOCK) {
-            for row in row..(row + BLOCK).min(count) {
-                for column in column..(column + BLOCK).min(columns) {
-                    out[column * count + row] = rows[row * columns + column];
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -267,7 +323,13 @@ mod tests {
     fn swept(map: &OccupancyGrid, points: &[(usize, Point)], ray: (f64, f64)) -> Vec<f64> {
         let sweeps = SweepMap::new(map);
         let mut found_m = vec![f64::NAN; points.len()];
-        sweeps.sweep(&sweeps.points(points), ray, MAX_M, |number, distance_m| found_m[number] = distance_m);
+        sweeps.sweep(
+            &sweeps.points(points),
+            ray,
+            MAX_M,
+            |range_m| range_m,
+            |number, range_m| found_m[number] = range_m,
+        );
         found_m
     }
 
