@@ -13,7 +13,7 @@ use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use std::sync::Arc;
 
 /// The fine belief is made of the coarse one that watches as soon as so few of its states would be above θ.
-pub(super) const FEW_STATES: f64 = 40_000.0;
+pub(super) const FEW_STATES: f64 = 20_000.0;
 
 /// How badly scans fit a pose.
 #[derive(Clone, Copy, Debug, Default)]
