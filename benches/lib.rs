@@ -4,9 +4,10 @@
 //! Arguments after `--` choose rows; with `--alone` no other interpreter is run:
 //! `cargo bench -p rpl-benches -- fib timers --alone`.
 
+use rustix::time::ClockId;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// An interpreter that does the same work from a script `anchors/STEM.EXTENSION`, which checks its
 /// result and prints the milliseconds it took.
@@ -162,44 +163,15 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Time this thread has had a processor; wall time where that is unknown. Other work on the machine
-/// does not count.
-#[derive(Debug)]
-struct Stopwatch {
-    start: Instant,
-    start_ns: Option<u64>,
+/// Processor time of this thread so far: other work on the machine does not count.
+pub fn computed() -> Duration {
+    let time = rustix::time::clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32)
 }
 
-impl Stopwatch {
-    fn start() -> Self {
-        let start_ns = processor_ns();
-        Self { start: Instant::now(), start_ns }
-    }
-
-    fn on_the_wall() -> Self {
-        Self { start: Instant::now(), start_ns: None }
-    }
-
-    fn elapsed_ms(&self) -> f64 {
-        let wall = self.start.elapsed().as_secs_f64() * 1e3;
-        match (self.start_ns, processor_ns()) {
-            (Some(start), Some(end)) => (end - start) as f64 / 1e6,
-            _ => wall,
-        }
-    }
-}
-
-/// Nanoseconds that this thread has had a processor, up to date; none where that is unknown.
-pub fn processor_ns() -> Option<u64> {
-    // The kernel settles its account when a thread gives way.
-    std::thread::yield_now();
-    processor_ns_lately()
-}
-
-/// The same as of the last tick of the kernel: for sums over many short stretches, in which giving
-/// way each time would leave the processor to others.
-pub fn processor_ns_lately() -> Option<u64> {
-    std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split_whitespace().next()?.parse().ok()
+/// A time in milliseconds.
+pub fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
 }
 
 /// Median milliseconds of `act` over `runs` fresh values of `prepare`, which is not timed, nor is
@@ -208,9 +180,9 @@ pub fn median_ms<T, R>(runs: usize, mut prepare: impl FnMut() -> T, mut act: imp
     let times = (0..runs)
         .map(|_| {
             let input = prepare();
-            let stopwatch = Stopwatch::start();
+            let began = computed();
             let result = act(input);
-            let elapsed_ms = stopwatch.elapsed_ms();
+            let elapsed_ms = ms(computed() - began);
             drop(result);
             elapsed_ms
         })
@@ -223,9 +195,9 @@ pub fn median_ms<T, R>(runs: usize, mut prepare: impl FnMut() -> T, mut act: imp
 pub fn least_ms(runs: usize, on_this_thread: bool, mut prepare: impl FnMut(), mut act: impl FnMut()) -> f64 {
     let times = (0..runs).map(|_| {
         prepare();
-        let stopwatch = if on_this_thread { Stopwatch::start() } else { Stopwatch::on_the_wall() };
+        let (computed_before, began) = (computed(), Instant::now());
         act();
-        stopwatch.elapsed_ms()
+        ms(if on_this_thread { computed() - computed_before } else { began.elapsed() })
     });
     times.fold(f64::INFINITY, f64::min)
 }

@@ -1,7 +1,7 @@
 //! Typing in a long plan, and the first findings in one: what the language server computes, in processor time.
 
 use lsp_server::{Message, Notification, Request};
-use rpl_benches::{Question, Report, processor_ns};
+use rpl_benches::{Question, Report, median_ms};
 use rpl_editor::lsp::session::Session;
 use rpl_editor::surroundings::{Setting, Surroundings};
 use rpl_lang::check::KnownPlaces;
@@ -100,16 +100,7 @@ fn look(session: &mut Session<'_>) {
 
 /// Milliseconds of processor time, the median of several rounds.
 fn ms(rounds: usize, mut round: impl FnMut()) -> f64 {
-    let now = || processor_ns().unwrap_or_default() as f64 / 1e6;
-    let mut took: Vec<f64> = (0..rounds)
-        .map(|_| {
-            let began = now();
-            round();
-            now() - began
-        })
-        .collect();
-    took.sort_by(f64::total_cmp);
-    took[rounds / 2]
+    median_ms(rounds, || (), |()| round())
 }
 
 fn key(session: &mut Session<'_>, version: &mut i64) {

@@ -3,7 +3,7 @@
 //!
 //! All on one thread, in processor time, so that other work on the machine does not count.
 
-use rpl_benches::{Question, Report, processor_ns, processor_ns_lately, resident_bytes};
+use rpl_benches::{Question, Report, computed, resident_bytes};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::modules::SiteRobot;
 use rpl_mission::site::{Setup, Site};
@@ -28,16 +28,6 @@ const INSTANTS: usize = 200;
 /// Steps that are taken back from the end, each time.
 const STEPS: &[usize] = &[1, 2, 3, 5, 10, 20, 30, 50];
 
-/// Processor time of this thread as of the last tick.
-fn computed_lately() -> Duration {
-    Duration::from_nanos(processor_ns_lately().unwrap_or_default())
-}
-
-/// Processor time of this thread so far.
-fn computed() -> Duration {
-    Duration::from_nanos(processor_ns().unwrap_or_default())
-}
-
 /// What is looked at of an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Glance {
@@ -61,13 +51,13 @@ fn mission(start_known: bool) -> System<SiteRobot> {
 fn drive(system: &mut System<SiteRobot>, mut each: impl FnMut(&System<SiteRobot>, Duration)) -> f64 {
     let began = computed();
     while system.machine.now_us < MISSION_US {
-        let instant = computed_lately();
+        let instant = computed();
         system.settle();
         assert!(system.answer().is_none(), "the mission is too short");
         system.next_instant();
         system.machine.trace.take();
         system.machine.output.clear();
-        each(system, computed_lately() - instant);
+        each(system, computed() - instant);
     }
     (computed() - began).as_secs_f64()
 }
