@@ -4,7 +4,7 @@ use super::grid::{BeliefGrid, Place, State, TILE_EDGE};
 use super::ground::{Cells, GroundTile};
 use super::kernel::LIFT;
 use super::model::LocalizationModel;
-use super::motion::{Share, Surroundings};
+use super::motion::{Share, Spare, Surroundings};
 use super::parameters::Spread;
 use super::plane::Plane;
 use super::scan::Weighing;
@@ -19,9 +19,6 @@ use std::sync::Arc;
 
 /// Noise of the heading is applied once it reaches this variance, in squared angle steps.
 const HEADING_BLUR_AT: f64 = 0.1;
-
-/// So many planes are blurred together: before and after they take memory twice.
-const BLURRED_AT_A_TIME: usize = 10;
 
 /// With less than this (of [`LIFT`]), motion has left nothing.
 const LEAST_EVIDENCE: f64 = 1e-15;
@@ -350,13 +347,13 @@ impl Belief {
         let sideward = error.sideward_m * error.sideward_m * distance_m / (grid.cell_m * grid.cell_m);
         let headings: Vec<f64> = (0..grid.headings).map(|heading| self.heading_rad(model, heading)).collect();
         let around = self.surroundings(model);
-        update_planes(&mut self.planes, |heading, plane| {
+        update_planes(&mut self.planes, |heading, plane, spare| {
             let (sin, cos) = libm::sincos(headings[heading]);
             plane.offset_cells[0] += (cos * motion.x_m - sin * motion.y_m) / grid.cell_m;
             plane.offset_cells[1] += (sin * motion.x_m + cos * motion.y_m) / grid.cell_m;
             plane.variance_cells[0] += cos * cos * forward + sin * sin * sideward;
             plane.variance_cells[1] += sin * sin * forward + cos * cos * sideward;
-            around.apply_motion(plane);
+            around.apply_motion(plane, spare);
         });
         self.rotate(model, motion.heading_rad);
         let step = grid.angle_step_rad();
@@ -393,22 +390,22 @@ impl Belief {
     /// Spreads every plane by `[g, 1 − 2g, g]` over its neighbours in heading, aligned by where their cells really are.
     fn blur_headings(&mut self, model: &LocalizationModel, spread: f64) {
         let around = self.surroundings(model);
-        let mut before = self.planes.clone();
-        let count = before.len();
-        for first in (0..count).step_by(BLURRED_AT_A_TIME) {
-            let blurred = first..(first + BLURRED_AT_A_TIME).min(count);
-            update_planes(&mut self.planes[blurred.clone()], |in_group, plane| {
-                let heading = first + in_group;
-                let shares = [(heading + count - 1) % count, (heading + 1) % count].map(|next| {
-                    let away = |axis: usize| before[next].offset_cells[axis] - plane.offset_cells[axis];
-                    Share { plane: &before[next], by_cells: [0, 1].map(|axis| libm::round(away(axis)) as i64) }
-                });
-                if before[heading].is_active() || shares.iter().any(|share| share.plane.is_active()) {
-                    plane.tiles = around.blended(&before[heading], &shares, spread as f32);
-                }
-            });
-            // The next group looks at the last of this one, the last plane at the first, and nobody at the others.
-            before.iter_mut().take(blurred.end - 1).skip(1).for_each(|plane| plane.tiles = Arc::default());
+        let count = self.planes.len();
+        // Stretches of planes, each between the planes before and after it as they were.
+        let length =
+            if is_for_threads(&self.planes) { count.div_ceil(2 * rayon::current_num_threads()) } else { count };
+        let ends = (0..count).step_by(length).map(|first| {
+            let next = (first + length).min(count) % count;
+            [&self.planes[(first + count - 1) % count], &self.planes[next]].map(Plane::clone)
+        });
+        let ends: Vec<[Plane; 2]> = ends.collect();
+        let blur = |(planes, [before, after]): (&mut [Plane], [Plane; 2])| {
+            blur_stretch(&around, planes, before, &after, spread as f32);
+        };
+        if length < count {
+            self.planes.par_chunks_mut(length).zip(ends).for_each(blur);
+        } else {
+            self.planes.chunks_mut(length).zip(ends).for_each(blur);
         }
     }
 
@@ -587,13 +584,36 @@ fn normal(sigmas: f64) -> f64 {
     libm::exp(-0.5 * sigmas * sigmas)
 }
 
+/// Spreads planes over their neighbours in turn, between one that was before them and one after them.
+fn blur_stretch(around: &Surroundings, planes: &mut [Plane], mut before: Plane, after: &Plane, spread: f32) {
+    let mut spare = Spare::default();
+    for heading in 0..planes.len() {
+        let own = planes[heading].clone();
+        let shares = [&before, planes.get(heading + 1).unwrap_or(after)].map(|plane| {
+            let away = |axis: usize| plane.offset_cells[axis] - own.offset_cells[axis];
+            Share { plane, by_cells: [0, 1].map(|axis| libm::round(away(axis)) as i64) }
+        });
+        if own.is_active() || shares.iter().any(|share| share.plane.is_active()) {
+            planes[heading].tiles = around.blended(&own, &shares, spread, &mut spare);
+        }
+        spare.keep(std::mem::replace(&mut before, own).tiles);
+    }
+}
+
+/// Whether there is enough to do for several threads.
+fn is_for_threads(planes: &[Plane]) -> bool {
+    let tiles: usize = planes.iter().map(|plane| plane.tiles.len()).sum();
+    tiles >= TILES_FOR_THREADS && rayon::current_num_threads() > 1
+}
+
 /// Visits every plane, on several threads if many tiles are awake. A plane never looks at another one,
 /// so the threads do not change the result.
-fn update_planes(planes: &mut [Plane], update: impl Fn(usize, &mut Plane) + Sync) {
-    let tiles: usize = planes.iter().map(|plane| plane.tiles.len()).sum();
-    if tiles >= TILES_FOR_THREADS && rayon::current_num_threads() > 1 {
-        planes.par_iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));
+fn update_planes(planes: &mut [Plane], update: impl Fn(usize, &mut Plane, &mut Spare) + Sync) {
+    if is_for_threads(planes) {
+        let planes = planes.par_iter_mut().enumerate();
+        planes.for_each_init(Spare::default, |spare, (heading, plane)| update(heading, plane, spare));
     } else {
-        planes.iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane));
+        let mut spare = Spare::default();
+        planes.iter_mut().enumerate().for_each(|(heading, plane)| update(heading, plane, &mut spare));
     }
 }

@@ -1,6 +1,6 @@
 //! How the tiles of a plane move, spread, and get a share of other planes: each is made anew of what lies around it.
 
-use super::grid::{BeliefGrid, TILE_EDGE};
+use super::grid::{BeliefGrid, TILE, TILE_EDGE};
 use super::ground::{Cells, Ground};
 use super::plane::Plane;
 use super::tile::Tile;
@@ -39,13 +39,31 @@ pub(super) struct Share<'a> {
 /// as long as to work with it.
 type Square<const SIDE: usize> = [[f32; SIDE]; SIDE];
 
+/// Tiles that nobody needs any more, to be written anew: to get memory for new ones and to give back that of old ones
+/// takes longer than to write it.
+#[derive(Debug, Default)]
+pub(super) struct Spare(Vec<Arc<Cells>>);
+
+impl Spare {
+    /// Takes over those tiles that no fork shares.
+    pub(super) fn keep(&mut self, tiles: Arc<Vec<Tile>>) {
+        let cells = Arc::try_unwrap(tiles).unwrap_or_default().into_iter().map(|tile| tile.cells);
+        self.0.extend(cells.filter_map(|mut cells| Arc::get_mut(&mut cells).is_some().then_some(cells)));
+    }
+
+    fn take(&mut self) -> Arc<Cells> {
+        self.0.pop().unwrap_or_else(|| Arc::new([0.0; TILE]))
+    }
+}
+
 impl Surroundings<'_> {
     /// Brings motion into the cells of a plane: whole cells of the offset, and noise once there is enough.
-    pub(super) fn apply_motion(&self, plane: &mut Plane) {
+    pub(super) fn apply_motion(&self, plane: &mut Plane, spare: &mut Spare) {
         let whole = plane.offset_cells.map(libm::round);
         if whole != [0.0; 2] {
             if plane.is_active() {
-                plane.tiles = self.shifted(plane, whole.map(|cells| cells as i64));
+                let shifted = self.shifted(plane, whole.map(|cells| cells as i64), spare);
+                spare.keep(std::mem::replace(&mut plane.tiles, shifted));
             }
             plane.offset_cells[0] -= whole[0];
             plane.offset_cells[1] -= whole[1];
@@ -53,7 +71,8 @@ impl Surroundings<'_> {
         while plane.variance_cells[0].max(plane.variance_cells[1]) >= BLUR_AT {
             let [x, y] = plane.variance_cells.map(|variance| variance.min(BLUR_MOST));
             if plane.is_active() {
-                plane.tiles = self.blurred(plane, [x, y].map(|variance| (variance / 2.0) as f32));
+                let blurred = self.blurred(plane, [x, y].map(|variance| (variance / 2.0) as f32), spare);
+                spare.keep(std::mem::replace(&mut plane.tiles, blurred));
             }
             plane.variance_cells[0] -= x;
             plane.variance_cells[1] -= y;
@@ -62,22 +81,22 @@ impl Surroundings<'_> {
 
     /// The tiles of a plane moved by whole cells. What leaves the tiles in which somebody can stand is lost, and so is
     /// what comes into a tile that sleeps without waking it.
-    fn shifted(&self, plane: &Plane, by_cells: [i64; 2]) -> Arc<Vec<Tile>> {
+    fn shifted(&self, plane: &Plane, by_cells: [i64; 2], spare: &mut Spare) -> Arc<Vec<Tile>> {
         let reached = self.reached(plane, by_cells, 0);
-        self.rebuilt(plane, reached, |[column, row], is_awake, cells| {
+        self.rebuilt(plane, reached, spare, |_, [column, row], is_awake, cells| {
             self.copy_square(plane, [column - by_cells[0], row - by_cells[1]], cells);
-            is_awake || self.can_wake(cells, 1.0)
+            is_awake || self.can_wake(cells.as_flattened(), 1.0)
         })
     }
 
     /// Every cell of a plane spread by `[g, 1 − 2g, g]` along each axis: mean 0, variance 2g cells².
-    fn blurred(&self, plane: &Plane, spread: [f32; 2]) -> Arc<Vec<Tile>> {
+    fn blurred(&self, plane: &Plane, spread: [f32; 2], spare: &mut Spare) -> Arc<Vec<Tile>> {
         let reached = self.reached(plane, [0, 0], 1);
         let mut wider = [[0.0; WIDER]; WIDER];
         let mut along_x = [[0.0; TILE_EDGE]; WIDER];
-        self.rebuilt(plane, reached, |[column, row], is_awake, cells| {
+        self.rebuilt(plane, reached, spare, |_, [column, row], is_awake, cells| {
             self.copy_square(plane, [column - 1, row - 1], &mut wider);
-            let is_due = is_awake || self.can_wake(&wider, spread[0] + spread[1]);
+            let is_due = is_awake || self.can_wake(wider.as_flattened(), spread[0] + spread[1]);
             if is_due {
                 spread_out(&wider, spread, &mut along_x, cells);
             }
@@ -86,29 +105,46 @@ impl Surroundings<'_> {
     }
 
     /// 1 − 2g of a plane and g of each of two others.
-    pub(super) fn blended(&self, own: &Plane, others: &[Share; 2], spread: f32) -> Arc<Vec<Tile>> {
+    pub(super) fn blended(&self, own: &Plane, others: &[Share; 2], spread: f32, spare: &mut Spare) -> Arc<Vec<Tile>> {
         let mut reached = self.reached(own, [0, 0], 0);
         others.iter().for_each(|other| reached.extend(self.reached(other.plane, other.by_cells, 0)));
         reached.sort_unstable();
         reached.dedup();
         let keep = 1.0 - 2.0 * spread;
-        let mut moved = [[[0.0; TILE_EDGE]; TILE_EDGE]; 2];
-        self.rebuilt(own, reached, |[column, row], is_awake, cells| {
-            for (other, moved) in others.iter().zip(&mut moved) {
-                self.copy_square(other.plane, [column - other.by_cells[0], row - other.by_cells[1]], moved);
-            }
-            let [before, after] = &moved;
+        let shares = [&Share { plane: own, by_cells: [0, 0] }, &others[0], &others[1]];
+        let mut copies = [[[0.0; TILE_EDGE]; TILE_EDGE]; 3];
+        self.rebuilt(own, reached, spare, |number, corner, is_awake, cells| {
+            let [copy, copy_before, copy_after] = &mut copies;
+            let [of_own, of_before, of_after] = shares;
+            let before = self.seen(of_before, number, corner, copy_before);
+            let after = self.seen(of_after, number, corner, copy_after);
             if !(is_awake || self.can_wake(before, 2.0 * spread) || self.can_wake(after, 2.0 * spread)) {
                 return false;
             }
-            self.copy_square(own, [column, row], cells);
-            let cells = cells.as_flattened_mut();
-            cells.iter_mut().for_each(|cell| *cell *= keep);
-            for other in [before, after] {
-                cells.iter_mut().zip(other.as_flattened()).for_each(|(cell, value)| *cell += spread * value);
+            let own = self.seen(of_own, number, corner, copy);
+            let terms = own.iter().zip(before).zip(after);
+            for (cell, ((own, before), after)) in cells.as_flattened_mut().iter_mut().zip(terms) {
+                *cell = keep * own + spread * before + spread * after;
             }
             true
         })
+    }
+
+    /// The cells of a tile as another plane has them: its own where they are awake and not moved, else a copy.
+    fn seen<'a>(
+        &self,
+        share: &Share<'a>,
+        number: u32,
+        [column, row]: [i64; 2],
+        copy: &'a mut Square<TILE_EDGE>,
+    ) -> &'a [f32] {
+        match share.plane.tile(number).filter(|_| share.by_cells == [0, 0]) {
+            Some(tile) => &tile.cells[..],
+            None => {
+                self.copy_square(share.plane, [column - share.by_cells[0], row - share.by_cells[1]], copy);
+                copy.as_flattened()
+            }
+        }
     }
 
     /// The mean of some planes.
@@ -119,7 +155,7 @@ impl Surroundings<'_> {
         reached.dedup();
         let each = 1.0 / planes.len() as f32;
         let mut moved = [[0.0; TILE_EDGE]; TILE_EDGE];
-        self.rebuilt(&Plane::default(), reached, |[column, row], _, cells| {
+        self.rebuilt(&Plane::default(), reached, &mut Spare::default(), |_, [column, row], _, cells| {
             let cells = cells.as_flattened_mut();
             cells.fill(0.0);
             for Share { plane, by_cells } in planes {
@@ -130,27 +166,28 @@ impl Surroundings<'_> {
         })
     }
 
-    /// The tiles that were awake, and those that wake: `make` writes the cells of the tile at a corner, and says whether
-    /// it was awake or may wake.
+    /// The tiles that were awake, and those that wake: `make` writes the cells of the tile of a number and at a corner, and
+    /// says whether it was awake or may wake.
     fn rebuilt(
         &self,
         plane: &Plane,
         reached: Vec<u32>,
-        mut make: impl FnMut([i64; 2], bool, &mut Square<TILE_EDGE>) -> bool,
+        spare: &mut Spare,
+        mut make: impl FnMut(u32, [i64; 2], bool, &mut Square<TILE_EDGE>) -> bool,
     ) -> Arc<Vec<Tile>> {
         let [across, _] = self.grid.tiles_along().map(|count| count as i64);
-        let mut made = [[0.0; TILE_EDGE]; TILE_EDGE];
+        let mut made = spare.take();
         let tile = |number: u32| {
             let ground = self.ground.tile(number)?;
             let corner = [i64::from(number) % across * EDGE, i64::from(number) / across * EDGE];
             let is_awake = plane.tile(number).is_some();
-            if !make(corner, is_awake, &mut made) {
+            let square = Arc::get_mut(&mut made)?.as_chunks_mut().0.try_into().ok()?;
+            if !make(number, corner, is_awake, square) {
                 return None;
             }
-            let cells: &Cells = made.as_flattened().as_array()?;
-            let mut free = cells.iter().zip(&ground.admissible);
+            let mut free = made.iter().zip(&ground.admissible);
             let stays = is_awake || free.any(|(cell, admissible)| cell * admissible >= self.loud);
-            stays.then(|| Tile::to_be_weighed(number, *cells))
+            stays.then(|| Tile::to_be_weighed(number, std::mem::replace(&mut made, spare.take())))
         };
         Arc::new(reached.into_iter().filter_map(tile).collect())
     }
@@ -178,9 +215,9 @@ impl Surroundings<'_> {
     }
 
     /// Whether a share of some cells, beside ones that sleep, may reach θ.
-    fn can_wake<const SIDE: usize>(&self, cells: &Square<SIDE>, share: f32) -> bool {
+    fn can_wake(&self, cells: &[f32], share: f32) -> bool {
         let bound = (self.loud - self.quiet) / share;
-        cells.as_flattened().iter().fold(false, |any, &cell| any | (cell >= bound))
+        cells.iter().fold(false, |any, &cell| any | (cell >= bound))
     }
 
     /// Writes the cells of a plane in a square whose first column and row are counted from the first tile.
@@ -320,6 +357,9 @@ mod tests {
         let (grid, ground) = grid_and_ground();
         let around = Surroundings { grid: &grid, ground: &ground, quiet: 1e-5, loud: 1e-2 };
         let mut stream = Stream::new(10_320, "tiles");
+        // With what others have left in them.
+        let mut spare = Spare::default();
+        spare.keep(plane(&ground, &mut stream).tiles);
         let mut counts = [0, 0];
         let mut count = |more: [usize; 2]| counts = [counts[0] + more[0], counts[1] + more[1]];
         for by in [[1, 0], [-2, 3], [31, -33], [-40, 0], [0, 65]] {
@@ -327,9 +367,9 @@ mod tests {
             let at = |plane: &Plane, [column, row]: [i64; 2], by: [i64; 2]| {
                 stored(&around, plane, [column - by[0], row - by[1]])
             };
-            count(check(&around, &own, around.shifted(&own, by), |place| at(&own, place, by)));
+            count(check(&around, &own, around.shifted(&own, by, &mut spare), |place| at(&own, place, by)));
             let spread = [0.1, 0.2];
-            count(check(&around, &own, around.blurred(&own, spread), |place| {
+            count(check(&around, &own, around.blurred(&own, spread, &mut spare), |place| {
                 let along_x = |dy: i64| {
                     let [left, middle, right] = [-1, 0, 1].map(|dx| at(&own, place, [-dx, -dy]));
                     (1.0 - 2.0 * spread[0]) * middle + spread[0] * (left + right)
@@ -338,7 +378,7 @@ mod tests {
             }));
             let back = by.map(|cells| -cells);
             let shares = [Share { plane: &before, by_cells: by }, Share { plane: &after, by_cells: back }];
-            count(check(&around, &own, around.blended(&own, &shares, 0.2), |place| {
+            count(check(&around, &own, around.blended(&own, &shares, 0.2, &mut spare), |place| {
                 0.6 * at(&own, place, [0, 0]) + 0.2 * (at(&before, place, by) + at(&after, place, back))
             }));
         }
@@ -354,7 +394,7 @@ mod tests {
         cells[0] = 1.0;
         let across = grid.tiles_along()[0];
         let plane = Plane::of(vec![Tile::new(across as u32 + 2, cells)]);
-        let blurred = around.blurred(&plane, [0.1, 0.2]);
+        let blurred = around.blurred(&plane, [0.1, 0.2], &mut Spare::default());
         assert_eq!(blurred.len(), 4);
         let moment = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
             let of_tile = |tile: &Tile| -> f64 {

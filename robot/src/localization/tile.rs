@@ -25,7 +25,7 @@ impl Tile {
     }
 
     /// Of cells that are summed when they are weighed next.
-    pub(super) fn to_be_weighed(number: u32, cells: Cells) -> Self {
-        Self { number, cells: Arc::new(cells), mass: 0.0, peak: 0.0 }
+    pub(super) fn to_be_weighed(number: u32, cells: Arc<Cells>) -> Self {
+        Self { number, cells, mass: 0.0, peak: 0.0 }
     }
 }
