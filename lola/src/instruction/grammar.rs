@@ -77,6 +77,10 @@ pub(super) enum Place {
 
 type Words<'t> = MappedInput<'t, Word, SimpleSpan, &'t [(Word, SimpleSpan)]>;
 
+/// What reads a phrase or a large part of one. Its own type, made of all its parts, ends here: the compiler would
+/// compile it anew wherever it is a part.
+type Reader<'t, T> = Boxed<'t, 't, Words<'t>, T>;
+
 /// The phrases of a text with their places; what is none, up to the next "then", is `Lost`. Cost: linear,
 /// because no phrase is longer than some words.
 pub(super) fn phrases(words: &[(Word, SimpleSpan)], text_len: usize) -> Vec<(Phrase, SimpleSpan)> {
@@ -126,7 +130,7 @@ fn on_the_way<'t>() -> impl Parser<'t, Words<'t>, ()> + Clone {
     just(Word::Go).repeated().then(just(Word::Straight).repeated()).then(maybe(Word::Hallway)).ignored()
 }
 
-fn leave<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
+fn leave<'t>() -> Reader<'t, Phrase> {
     let going = choice((word(Word::Turn), word(Word::Go)));
     let out = choice((word(Word::Leave), maybe(Word::Go).then_ignore(just(Word::Out)))).then_ignore(maybe(Word::Room));
     let into_hallway = just(Word::In).then(just(Word::Hallway)).or_not();
@@ -134,24 +138,24 @@ fn leave<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
     let and_go = maybe(Word::Then).then(going.clone().then(just(Word::Straight).repeated()).or_not());
     let tail = and_go.ignore_then(to_side).or_not();
     let side_first = going.ignore_then(side()).then_ignore(maybe(Word::After)).then_ignore(out.clone());
-    choice((out.ignore_then(tail).map(Phrase::Leave), side_first.map(|side| Phrase::Leave(Some(side)))))
+    choice((out.ignore_then(tail).map(Phrase::Leave), side_first.map(|side| Phrase::Leave(Some(side))))).boxed()
 }
 
-fn foyer<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
+fn foyer<'t>() -> Reader<'t, Phrase> {
     let past = one_of([Word::Past, Word::After, Word::Through, Word::Pass]).repeated().at_least(1);
-    on_the_way().then(maybe(Word::Until)).then(past).then(just(Word::Foyer)).to(Phrase::Foyer)
+    on_the_way().then(maybe(Word::Until)).then(past).then(just(Word::Foyer)).to(Phrase::Foyer).boxed()
 }
 
-fn end_of_hallway<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
+fn end_of_hallway<'t>() -> Reader<'t, Phrase> {
     let until = maybe(Word::Until).then(maybe(Word::Reach)).then(maybe(Word::Hallway));
-    on_the_way().then(until).then(the_end()).to(Phrase::End)
+    on_the_way().then(until).then(the_end()).to(Phrase::End).boxed()
 }
 
 fn the_end<'t>() -> impl Parser<'t, Words<'t>, ()> + Clone {
     just(Word::End).then(maybe(Word::Hallway)).ignored()
 }
 
-fn opening<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
+fn opening<'t>() -> Reader<'t, Phrase> {
     let place = choice((
         one_of([Word::After, Word::Past]).then(just(Word::Foyer)).to(Place::AfterFoyer),
         the_end().to(Place::AtEnd),
@@ -159,13 +163,14 @@ fn opening<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
     ));
     let is_room = just(Word::Is).then(just(Word::Room)).or_not();
     let phrase = verb().then(mention()).then(place).then(is_room);
-    phrase.map(|(((verb, mention), place), is_room)| {
+    let phrase = phrase.map(|(((verb, mention), place), is_room)| {
         let verb = if is_room.is_some() { Verb::Enter } else { verb };
         Phrase::Opening { verb, mention, place }
-    })
+    });
+    phrase.boxed()
 }
 
-fn verb<'t>() -> impl Parser<'t, Words<'t>, Verb> {
+fn verb<'t>() -> Reader<'t, Verb> {
     let room = || maybe(Word::Room);
     let is = room().then(just(Word::Is)).then(room()).then(one_of([Word::In, Word::After]).or_not());
     let into = maybe(Word::Go).then(just(Word::Straight).repeated()).then(one_of([Word::In, Word::Through]));
@@ -180,9 +185,10 @@ fn verb<'t>() -> impl Parser<'t, Words<'t>, Verb> {
         until.to(Verb::Unsaid),
         to.to(Verb::Unsaid),
     ))
+    .boxed()
 }
 
-fn mention<'t>() -> impl Parser<'t, Words<'t>, Mention> {
+fn mention<'t>() -> Reader<'t, Mention> {
     let of = |(ordinal, side, noun)| Mention { ordinal, side, noun };
     let some_side = || side().map(Some);
     let counted = || ordinal().map(Some);
@@ -201,14 +207,16 @@ fn mention<'t>() -> impl Parser<'t, Words<'t>, Mention> {
         uncounted.map(move |((before, side), after)| of((None, side, before.or(after)))),
         sideless.map(move |(ordinal, noun)| of((ordinal, None, noun))),
     ))
+    .boxed()
 }
 
-fn straight<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
+fn straight<'t>() -> Reader<'t, Phrase> {
     let ahead = just(Word::Straight).repeated().at_least(1).then(maybe(Word::Hallway)).ignored();
     choice((maybe(Word::Go).ignore_then(ahead), just(Word::Go).then(just(Word::Hallway)).ignored()))
         .to(Phrase::Straight)
+        .boxed()
 }
 
-fn enter<'t>() -> impl Parser<'t, Words<'t>, Phrase> {
-    just(Word::Enter).then(maybe(Word::Room)).to(Phrase::Enter)
+fn enter<'t>() -> Reader<'t, Phrase> {
+    just(Word::Enter).then(maybe(Word::Room)).to(Phrase::Enter).boxed()
 }

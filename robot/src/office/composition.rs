@@ -69,6 +69,18 @@ macro_rules! modules {
                 Self { $($field: $crate::office::Module::new($field, model, seed),)+ layout }
             }
 
+            // One after the other, as all of them at once would be; so each is compiled once, by whoever lists it.
+            fn save(&self, bytes: ::std::vec::Vec<u8>) -> ::std::vec::Vec<u8> {
+                $(let bytes = $crate::office::Module::save(&self.$field, bytes);)+
+                bytes
+            }
+
+            fn load(bytes: &[u8]) -> ::std::result::Result<(Self, &[u8]), ::std::string::String> {
+                $(let ($field, bytes) = <$module as $crate::office::Module>::load(bytes)?;)+
+                let layout = ::std::default::Default::default();
+                ::std::result::Result::Ok((Self { $($field,)+ layout }, bytes))
+            }
+
             fn resume(&mut self, at_start: &Self) -> ::std::result::Result<(), ::std::string::String> {
                 self.layout = at_start.layout.clone();
                 $($crate::office::Module::resume(&mut self.$field, &at_start.$field)?;)+

@@ -2,6 +2,7 @@
 
 use super::model::OfficeModel;
 use super::position::Position;
+use super::save::taken;
 use crate::foresight::act_model::ActModel;
 use crate::geometry::Velocity;
 use crate::navigation::NavigationInput;
@@ -11,6 +12,7 @@ use crate::world::TravelMode;
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, Ending, FluentSpec, Outbox, RobotEvent, StopReason};
+use rpl_runtime::run::save::append;
 use rpl_runtime::state::activation::Phase;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -67,6 +69,19 @@ pub trait Module: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
 
     /// Its state at the start of a run. What it leaves to chance follows from the seed.
     fn new(settings: &Self::Settings, model: &OfficeModel, seed: u64) -> Self;
+
+    /// Adds its state to the bytes of a saved run.
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
+        append(bytes, self)
+    }
+
+    /// The state that [`Module::save`] has added, and the bytes behind it.
+    ///
+    /// # Errors
+    /// One sentence on why there is none.
+    fn load(bytes: &[u8]) -> Result<(Self, &[u8]), String> {
+        taken(bytes)
+    }
 
     /// Takes back what is no part of a saved state, after that was loaded, from the same module at the start of
     /// a run.

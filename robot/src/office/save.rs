@@ -52,22 +52,26 @@ fn written(value: &impl Serialize) -> Vec<u8> {
     append(Vec::new(), value)
 }
 
-fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
-    postcard::from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
+/// A value, and the bytes behind it.
+pub(super) fn taken<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<(T, &'b [u8]), String> {
+    postcard::take_from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
 }
 
-impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
-    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
-        let setting = written(&Setting::of(self));
-        let Controller { board, modules, .. } = &self.controller;
-        append(bytes, &(ByteBuf::from(setting), board, modules, ByteBuf::from(self.host.save()), &self.lost))
+fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
+    taken(bytes).map(|(value, _)| value)
+}
+
+/// What is saved before the modules. Compiled once, as it knows no type of hosts and modules.
+impl Setting {
+    /// The bytes, and behind them the setting and the board.
+    fn save(&self, bytes: Vec<u8>, board: &Board) -> Vec<u8> {
+        append(bytes, &(ByteBuf::from(written(self)), board))
     }
 
-    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let (setting, rest): (ByteBuf, &[u8]) =
-            postcard::take_from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))?;
-        let setting: Setting = read(&setting)?;
-        let here = Setting::of(self);
+    /// The board that was saved in this setting, and the bytes behind it.
+    fn load(self, bytes: &[u8]) -> Result<(Board, &[u8]), String> {
+        let (setting, rest): (ByteBuf, &[u8]) = taken(bytes)?;
+        let (setting, here): (Setting, Setting) = (read(&setting)?, self);
         if setting.world != here.world {
             let (there, here) = (setting.world.name, here.world.name);
             return Err(format!(
@@ -91,8 +95,21 @@ impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
         if setting != here {
             return Err("the run was saved with other settings of localization".into());
         }
-        type Changing<M> = (Board, M, ByteBuf, Option<HostLost>);
-        let (board, mut modules, host, lost): Changing<M> = read(rest)?;
+        taken(rest)
+    }
+}
+
+impl<H: SaveHost + 'static, M: Module> SaveOutside for OfficeRobot<H, M> {
+    fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
+        let Controller { board, modules, .. } = &self.controller;
+        let bytes = modules.save(Setting::of(self).save(bytes, board));
+        append(bytes, &(ByteBuf::from(self.host.save()), &self.lost))
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let (board, rest) = Setting::of(self).load(bytes)?;
+        let (mut modules, rest) = M::load(rest)?;
+        let (host, lost): (ByteBuf, Option<HostLost>) = read(rest)?;
         modules.resume(&self.controller.modules)?;
         if board.position.localization().is_some() != self.model().settings.has_belief() {
             return Err("its state is damaged: it has a belief only where the robot localizes on a map".into());

@@ -215,37 +215,27 @@ fn word(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes(word)
 }
 
-impl<O: SaveOutside> System<O> {
-    /// The run as bytes. Cost: proportional to the state.
-    pub fn save(&self) -> Vec<u8> {
-        let addition = Addition::between(&self.base.program, &self.program, &self.units);
-        let mut bytes = Vec::with_capacity(HEADER + self.machine.used_bytes());
-        bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&VERSION.to_le_bytes());
-        bytes.extend_from_slice(&self.base.fingerprint(&self.library).to_le_bytes());
-        bytes.extend_from_slice(&[0; 4]);
-        let mut bytes = self.outside.save(append(bytes, &(addition, &self.machine, self.stepped_us)));
-        let checksum = crc32fast::hash(&bytes[HEADER..]);
-        bytes[HEADER - 4..HEADER].copy_from_slice(&checksum.to_le_bytes());
-        bytes
-    }
+/// What is behind the header begins with this, whatever the robot.
+type Payload = (Addition, Machine, u64);
 
-    /// The first part in which two runs of one program differ, by its path, such as
-    /// `machine.tasks[17].registers[3]`; none if they are saved alike.
-    pub fn difference(&self, other: &Self) -> Option<Difference> {
-        let addition = |system: &Self| Addition::between(&system.base.program, &system.program, &system.units);
-        difference("machine", &self.machine, &other.machine)
-            .or_else(|| difference("program", &addition(self), &addition(other)))
-            .or_else(|| difference("stepped_us", &self.stepped_us, &other.stepped_us))
-            .or_else(|| difference("robot", &self.outside.save(Vec::new()), &other.outside.save(Vec::new())))
-    }
+/// What was read of a run beside its robot.
+struct RunRead {
+    base: Base,
+    program: Arc<Program>,
+    units: Units,
+    machine: Machine,
+    stepped_us: u64,
+}
 
-    /// A run read from bytes. `loaded` is the same program, compiled again with the same library;
-    /// `outside` is the same robot, built anew.
-    ///
-    /// # Errors
-    /// Says what is wrong with the bytes.
-    pub fn load(bytes: &[u8], library: Arc<Library>, loaded: Loaded, mut outside: O) -> Result<Self, SaveError> {
+impl RunRead {
+    /// The run that [`System::save`] has written, its robot's part taken over by `outside`. Compiled once, as it knows
+    /// no type of robots.
+    fn read(
+        bytes: &[u8],
+        library: &Library,
+        base: Arc<Program>,
+        outside: &mut dyn SaveOutside,
+    ) -> Result<Self, SaveError> {
         if !bytes.starts_with(MAGIC) {
             return Err(SaveError::Foreign);
         }
@@ -260,11 +250,10 @@ impl<O: SaveOutside> System<O> {
         if word(bytes, HEADER - 4) != crc32fast::hash(payload) {
             return Err(SaveError::Damaged);
         }
-        let base = Base::new(loaded.program);
-        if word(bytes, HEADER - 8) != base.fingerprint(&library) {
+        let base = Base::new(base);
+        if word(bytes, HEADER - 8) != base.fingerprint(library) {
             return Err(SaveError::Program);
         }
-        type Payload = (Addition, Machine, u64);
         let ((addition, machine, stepped_us), robot) =
             postcard::take_from_bytes::<Payload>(payload).map_err(|_| SaveError::Damaged)?;
         outside.load(robot).map_err(SaveError::Outside)?;
@@ -275,6 +264,51 @@ impl<O: SaveOutside> System<O> {
             .and_then(|()| machine.validate(&bounds))
             .and_then(|()| machine.check_invariants())
             .map_err(SaveError::Inconsistent)?;
+        Ok(Self { base, program, units, machine, stepped_us })
+    }
+}
+
+/// What is saved of a run before its robot, with room for the checksum. Compiled once, as it knows no type of robots.
+fn before_robot(addition: Addition, machine: &Machine, stepped_us: u64, fingerprint: u32) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER + machine.used_bytes());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&fingerprint.to_le_bytes());
+    bytes.extend_from_slice(&[0; 4]);
+    append(bytes, &(addition, machine, stepped_us))
+}
+
+impl<O: SaveOutside> System<O> {
+    fn addition(&self) -> Addition {
+        Addition::between(&self.base.program, &self.program, &self.units)
+    }
+
+    /// The run as bytes. Cost: proportional to the state.
+    pub fn save(&self) -> Vec<u8> {
+        let fingerprint = self.base.fingerprint(&self.library);
+        let mut bytes = self.outside.save(before_robot(self.addition(), &self.machine, self.stepped_us, fingerprint));
+        let checksum = crc32fast::hash(&bytes[HEADER..]);
+        bytes[HEADER - 4..HEADER].copy_from_slice(&checksum.to_le_bytes());
+        bytes
+    }
+
+    /// The first part in which two runs of one program differ, by its path, such as
+    /// `machine.tasks[17].registers[3]`; none if they are saved alike.
+    pub fn difference(&self, other: &Self) -> Option<Difference> {
+        difference("machine", &self.machine, &other.machine)
+            .or_else(|| difference("program", &self.addition(), &other.addition()))
+            .or_else(|| difference("stepped_us", &self.stepped_us, &other.stepped_us))
+            .or_else(|| difference("robot", &self.outside.save(Vec::new()), &other.outside.save(Vec::new())))
+    }
+
+    /// A run read from bytes. `loaded` is the same program, compiled again with the same library;
+    /// `outside` is the same robot, built anew.
+    ///
+    /// # Errors
+    /// Says what is wrong with the bytes.
+    pub fn load(bytes: &[u8], library: Arc<Library>, loaded: Loaded, mut outside: O) -> Result<Self, SaveError> {
+        let RunRead { base, program, units, machine, stepped_us } =
+            RunRead::read(bytes, &library, loaded.program, &mut outside)?;
         Ok(Self {
             program,
             units: Arc::new(units),
