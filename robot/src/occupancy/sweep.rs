@@ -1,5 +1,5 @@
 //! Distances along many parallel rays at once. The map is sheared by whole cells until the rays run along its
-//! columns or rows; then one pass from the far end tells every cell how far the next surface is.
+//! columns or rows; then one pass from the far end tells each ray, cell by cell, where it last met something.
 
 use super::grid::{Cell, OccupancyGrid};
 use crate::geometry::Point;
@@ -129,8 +129,9 @@ impl SweepMap {
     /// Distance from each point to the first occupied cell in a direction `(cos, sin)`, at most `max_m`: to half a
     /// cell and without bias like that of [`DistanceField::cast_m`](super::DistanceField::cast_m), and the same for a
     /// map and rays that are turned by 180°. Space outside the map is empty. `found` is told the number of each point and what
-    /// `of_range_m` makes of its distance, which is asked once for many that are alike. Cost: some tenths of a
-    /// nanosecond for each cell of the map between the points and `max_m` from them, and a nanosecond for each point.
+    /// `of_range_m` makes of its distance, which is asked once for many that are alike. Cost: some
+    /// nanoseconds for each column or row of the map up to `max_m` from the points and for what stands there, and a
+    /// nanosecond for each point.
     pub fn sweep<T: Copy>(
         &self,
         points: &SweepPoints,
