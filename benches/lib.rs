@@ -170,7 +170,7 @@ pub fn computed() -> Duration {
 }
 
 /// A time in milliseconds.
-pub fn ms(time: Duration) -> f64 {
+fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 

@@ -45,7 +45,7 @@ const AT_A_TIME: usize = 64;
 
 /// Chooses a target, argmin of E_a\[H\] + α v(a); none if there is no maximum or no way anywhere.
 /// `obstacles_in_base` are points found occupied whatever the map says. Looks at targets in the order of their ways,
-/// until these alone cost more than the best one is worth: some 20 ms with ten maxima.
+/// until these alone cost more than the best one is worth: some 10 ms with ten maxima.
 pub fn choose(
     model: &LocalizationModel,
     maxima: &[Maximum],

@@ -76,15 +76,18 @@ fn nothing_is_expected_of_a_place_that_looks_the_same() {
 fn what_is_not_looked_at_would_not_have_been_chosen() {
     let model = model(true);
     let mut stream = Stream::new(10_320, "maxima");
-    let mut anywhere = |_| {
-        let (x_m, y_m) = (stream.uniform_in(0.5, LENGTH_M - 0.5), stream.uniform_in(0.5, WIDTH_M - 0.5));
-        Maximum { pose_in_map: Pose::new(x_m, y_m, stream.uniform_in(-PI, PI)), mass: stream.uniform_in(0.05, 0.25) }
-    };
-    for count in (1..=4).cycle().take(24) {
-        let maxima: Vec<Maximum> = (0..count).map(&mut anywhere).collect();
-        let all = consider(&model, &maxima, &[], &parameters()).map(|(choice, _)| choice);
-        assert_eq!(choose(&model, &maxima, &[], &parameters()), all, "{maxima:?}");
+    let mut ways_m = Vec::new();
+    for number in 0..30 {
+        let (x_m, y_m) = (stream.uniform_in(0.5, LENGTH_M - 0.5), stream.uniform_in(3.5, WIDTH_M - 3.5));
+        let pose = Pose::new(x_m, y_m, stream.uniform_in(-PI, PI));
+        // The dearer the way, the sooner the search ends, and the nearer is what it must not miss.
+        let parameters =
+            ActiveParameters { target_step: 1, alpha_per_m: 0.02 * f64::from(1 + number % 5), ..parameters() };
+        let all = consider(&model, &two_maxima(pose), &[], &parameters).map(|(choice, _)| choice);
+        assert_eq!(choose(&model, &two_maxima(pose), &[], &parameters), all, "{pose:?}");
+        ways_m.extend(all.map(|choice| choice.cost_m));
     }
+    assert!(ways_m.len() > 20 && ways_m.iter().filter(|&&way_m| way_m > 3.0).count() > 5, "{ways_m:?}");
 }
 
 #[test]

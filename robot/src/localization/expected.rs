@@ -160,6 +160,7 @@ mod tests {
     use crate::localization::{LocalizationModel, LocalizationParameters};
     use crate::occupancy::{Cell, OccupancyGrid};
     use crate::world::World;
+    use rpl_random::Stream;
 
     /// A walled corridor with two cupboards, each the other's image under half a turn.
     fn symmetric_corridor(columns: usize, rows: usize) -> OccupancyGrid {
@@ -205,6 +206,27 @@ mod tests {
         numbers.clone().for_each(|tile| assert!(one.tile(tile).len() == one.directions));
         for tile in numbers.rev() {
             assert!(other.tile(tile) == one.tile(tile) && other.tiles[tile as usize].get().is_some());
+        }
+    }
+
+    #[test]
+    fn a_cone_sees_the_nearest_of_its_rays() {
+        let mut stream = Stream::new(10_321, "rays");
+        for (cone_deg, angle_step_deg) in [(0, 15), (5, 5), (15, 2), (15, 6), (30, 2)] {
+            let mut parameters = LocalizationParameters { angle_step_deg, ..LocalizationParameters::default() };
+            parameters.sensors[0].beam.cone_deg = cone_deg;
+            let model = LocalizationModel::new(&symmetric_corridor(120, 30), parameters).expect("it is a map");
+            let table = model.sensors[0].expected();
+            let (stride, half) = (table.stride(), table.half_cone);
+            let count = table.directions / stride;
+            let mut rays: Vec<[u8; TILE]> = (0..count).map(|_| [stream.index(256) as u8; TILE]).collect();
+            rays.extend_from_within(..2 * half / stride);
+            let cones = table.widened_to_cones(rays.clone());
+            for direction in 0..table.directions {
+                let around = direction + table.directions - half..=direction + table.directions + half;
+                let seen = around.filter(|ray| ray.is_multiple_of(stride)).map(|ray| rays[ray / stride % count][7]);
+                assert_eq!(Some(cones[direction][7]), seen.min(), "{cone_deg} {angle_step_deg} {direction}");
+            }
         }
     }
 
