@@ -180,7 +180,7 @@ fn tasks(report: &Report, library: &Arc<Library>) {
 }
 
 fn state(report: &Report, library: &Arc<Library>) {
-    let bytes = Question::new("bytes", "bytes a blocked task", "bytes", 160.0, "Guile 275, Lua 1,253; CRAM 314,000");
+    let bytes = Question::new("bytes", "bytes a blocked task", "bytes", 150.0, "Guile 275, Lua 1,253; CRAM 314,000");
     let bytes = Question { anchors: Some("bytes"), ..bytes };
     report.row(bytes, || {
         const COUNT: usize = 200_000;

@@ -52,7 +52,7 @@ pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32)
     let is_blocked = record.state() == State::Blocked;
     let on = match is_blocked {
         true if task == machine.main && system.is_waiting_for_form() => Some("the next form".to_string()),
-        true => Some(machine.describe(&system.program, record.waiting)),
+        true => Some(machine.describe(&system.program, record.waiting())),
         false => None,
     };
     Standing {
@@ -64,7 +64,7 @@ pub fn standing(system: &System<Robot>, ends_us: &BTreeMap<u32, u64>, task: u32)
         is_suspended: record.is_held(),
         suspended_by: Vec::new(),
         at: place.filter(|_| is_blocked).map(|span| system.program.sources.place(span)),
-        readings: machine.readings(&system.program, record.waiting),
+        readings: machine.readings(&system.program, record.waiting()),
         told: u64::MAX,
     }
 }

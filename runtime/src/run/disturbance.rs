@@ -51,8 +51,14 @@ impl<O: Outside> System<O> {
                 let Some(task) = machine.tasks.find_alive(task) else { return };
                 let record = &machine.tasks[task];
                 let waits = matches!(
-                    record.waiting,
-                    Waiting::Fluent { .. } | Waiting::Watch(_) | Waiting::Time | Waiting::Signal(_) | Waiting::Answer
+                    record.waiting(),
+                    Some(
+                        Waiting::Fluent { .. }
+                            | Waiting::Watch(_)
+                            | Waiting::Time
+                            | Waiting::Signal(_)
+                            | Waiting::Answer
+                    )
                 );
                 if record.state() == State::Blocked && waits {
                     let failure = machine.failure_from(Raise::new("plan-failure", "disturbed from outside"));

@@ -26,7 +26,7 @@ impl Machine {
             self.check_task(index, task, queued.is_set(index))
                 .map_err(|what| format!("{} (task {index}): {what}", self.path(index)))?;
         }
-        let resting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting, Waiting::Rest(_))).count();
+        let resting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting(), Some(Waiting::Rest(_)))).count();
         ensure(resting == self.waits_for_rest as usize, || {
             format!("{resting} tasks wait for others to be at rest, and {} are counted", self.waits_for_rest)
         })?;
@@ -45,8 +45,8 @@ impl Machine {
             format!("{} with {} suspensions, and in the run queue: {is_queued}", task.state().name(), task.stop())
         })?;
         ensure(task.state() != State::Running, || "runs between two steps".into())?;
-        ensure((task.state() == State::Blocked) == (task.waiting != Waiting::Nothing), || {
-            format!("is {} and waits for {:?}", task.state().name(), task.waiting)
+        ensure((task.state() == State::Blocked) == task.waiting().is_some(), || {
+            format!("is {} and waits for {:?}", task.state().name(), task.waiting())
         })?;
         if task.state().is_dead() {
             ensure(task.first_child == NONE, || "is dead and has children".into())?;
@@ -102,7 +102,8 @@ impl Machine {
 
     fn check_waiting(&self, index: u32, task: &Task) -> Result<(), String> {
         ensure(self.clocks_are_right(index), || "counts time worked while it is suspended, or does not".into())?;
-        match task.waiting {
+        let Some(waiting) = task.waiting() else { return Ok(()) };
+        match waiting {
             Waiting::Fluent { fluent, .. } => {
                 let Some(entry) = self.fluents.get(fluent) else {
                     return Err("waits for a fluent that is gone".into());
@@ -135,7 +136,7 @@ impl Machine {
             Waiting::Children | Waiting::Spawned => {
                 ensure(task.first_child != NONE, || "waits for children and has none".into())
             }
-            Waiting::Nothing | Waiting::Time | Waiting::Signal(_) | Waiting::Answer => Ok(()),
+            Waiting::Time | Waiting::Signal(_) | Waiting::Answer => Ok(()),
         }
     }
 
@@ -164,12 +165,14 @@ impl Machine {
             }
             for waiter in fluent.waiters.tasks(&self.tasks) {
                 in_line += 1;
-                let waits = matches!(self.tasks[waiter].waiting, Waiting::Fluent { fluent, .. } if fluent == index);
+                let waits =
+                    matches!(self.tasks[waiter].waiting(), Some(Waiting::Fluent { fluent, .. }) if fluent == index);
                 ensure(waits, || format!("task {waiter} is a waiter of fluent {index} and does not wait for it"))?;
             }
             ensure(!fluent.is_pulsed && !fluent.is_changed, || format!("fluent {index} is pulsed at rest"))?;
         }
-        let waiting = self.tasks.iter().filter(|(_, task)| matches!(task.waiting, Waiting::Fluent { .. })).count();
+        let waiting =
+            self.tasks.iter().filter(|(_, task)| matches!(task.waiting(), Some(Waiting::Fluent { .. }))).count();
         ensure(in_line == waiting, || format!("{waiting} tasks wait for fluents, and {in_line} stand in their lines"))
     }
 
@@ -236,7 +239,7 @@ impl Machine {
         let mut lines: BTreeMap<u64, Below> = BTreeMap::new();
         for (&task, waiter) in &valve.waiters {
             let record = self.tasks.get_alive(task);
-            let waits = record.is_some_and(|record| record.waiting == Waiting::Valve(number));
+            let waits = record.is_some_and(|record| record.waiting() == Some(Waiting::Valve(number)));
             ensure(waits, || "a task stands in line that does not wait for it".into())?;
             let Some(name) = waiter.line else { continue };
             ensure(waiter.place.priority == self.effective_priority(task), || {

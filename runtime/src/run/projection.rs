@@ -394,7 +394,7 @@ impl Machine {
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.tasks.find_alive(ticket.task).is_some_and(|task| {
             let record = &self.tasks[task];
-            record.waiting == Waiting::Answer && record.wait_number == ticket.wait
+            record.waiting() == Some(Waiting::Answer) && record.wait_number == ticket.wait
         })
     }
 
@@ -460,7 +460,7 @@ impl Machine {
             return Some(if noted == Value::Nil { Ended::Succeeded } else { Ended::Failed(noted) });
         }
         let task = self.tasks.find(watched).unwrap_or(NONE);
-        match self.tasks.get(task).map(|record| (record.state(), record.value)) {
+        match self.tasks.get(task).map(|record| (record.state(), *record.value())) {
             Some((State::Succeeded, _)) => Some(Ended::Succeeded),
             Some((State::Failed, failure)) => Some(Ended::Failed(failure)),
             Some((State::Evaporated, _)) | None => Some(Ended::Evaporated),

@@ -207,8 +207,8 @@ impl<O: Outside> System<O> {
     /// Whether the main task has nothing to run.
     pub fn is_waiting_for_form(&self) -> bool {
         let main = &self.machine.tasks[self.machine.main];
-        match (main.waiting, self.session_variable("%form?")) {
-            (Waiting::Fluent { fluent, .. }, Some(Value::Fluent(has_form))) => {
+        match (main.waiting(), self.session_variable("%form?")) {
+            (Some(Waiting::Fluent { fluent, .. }), Some(Value::Fluent(has_form))) => {
                 main.state() == State::Blocked && fluent == has_form
             }
             _ => false,

@@ -260,8 +260,8 @@ impl<O: Outside> System<O> {
     pub fn outcome(&self) -> Option<Outcome> {
         let main = &self.machine.tasks[self.machine.main];
         match main.state() {
-            State::Succeeded => Some(Outcome::Succeeded(main.value)),
-            State::Failed => Some(Outcome::Failed(main.value)),
+            State::Succeeded => Some(Outcome::Succeeded(*main.value())),
+            State::Failed => Some(Outcome::Failed(*main.value())),
             State::Evaporated => Some(Outcome::Evaporated),
             _ => None,
         }

@@ -225,9 +225,9 @@ impl Machine {
 
     fn validate_task(&self, bounds: &Bounds<'_>, task: &Task, has_code: bool) -> Result<(), String> {
         self.symbol(task.name)?;
-        self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([&task.value]))?;
+        self.validate_values(bounds, self.tasks.registers.get(task.registers).iter().chain([task.value()]))?;
         ensure(
-            task.raises == Raises::Nothing || task.state().is_dead() || matches!(task.value, Value::Failure(_)),
+            task.raises == Raises::Nothing || task.state().is_dead() || matches!(task.value(), Value::Failure(_)),
             "what is raised is no failure",
         )?;
         // The record of a dead task may outlive those around it, and its links are followed no more.
@@ -254,17 +254,8 @@ impl Machine {
         if let Some(leaving) = task.leaving() {
             self.validate_leaving(bounds, task, leaving)?;
         }
-        match task.waiting {
-            Waiting::Fluent { fluent, .. } => self.fluent(fluent)?,
-            Waiting::Watch(watch) => ensure(self.watches.get(watch).is_some(), "a watch is not in its table")?,
-            Waiting::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve")?,
-            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
-                ensure(self.tasks.get(other).is_some(), "a task waits for one that is not there")?;
-            }
-            Waiting::Signal(behaviour) => {
-                ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")?
-            }
-            Waiting::Nothing | Waiting::Time | Waiting::Children | Waiting::Spawned | Waiting::Answer => {}
+        if let Some(waiting) = task.waiting() {
+            self.validate_waiting(bounds, waiting)?;
         }
         let Some(rare) = &task.rare else { return Ok(()) };
         let fluents = [rare.fluents.status, rare.fluents.result, rare.fluents.begin, rare.fluents.end];
@@ -275,6 +266,21 @@ impl Machine {
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
         ensure(valves.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
+    }
+
+    fn validate_waiting(&self, bounds: &Bounds<'_>, waiting: Waiting) -> Result<(), String> {
+        match waiting {
+            Waiting::Fluent { fluent, .. } => self.fluent(fluent),
+            Waiting::Watch(watch) => ensure(self.watches.get(watch).is_some(), "a watch is not in its table"),
+            Waiting::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve"),
+            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
+                ensure(self.tasks.get(other).is_some(), "a task waits for one that is not there")
+            }
+            Waiting::Signal(behaviour) => {
+                ensure(usize::from(behaviour) < bounds.behaviours, "there is no such behaviour")
+            }
+            Waiting::Time | Waiting::Children | Waiting::Spawned | Waiting::Answer => Ok(()),
+        }
     }
 
     fn validate_scope(&self, bounds: &Bounds<'_>, task: &Task, scope: &Scope) -> Result<(), String> {

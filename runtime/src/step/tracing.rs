@@ -61,7 +61,7 @@ impl Machine {
         if !self.trace.enabled {
             return;
         }
-        let (state, result) = (self.tasks[task].state(), self.tasks[task].value);
+        let (state, result) = (self.tasks[task].state(), *self.tasks[task].value());
         let mut details = vec![("state", state.name().to_string())];
         match state {
             State::Succeeded => details.push(("value", self.write(program, result))),
@@ -107,7 +107,7 @@ impl Machine {
     }
 
     fn write_blocked(&mut self, program: &Program, task: u32) {
-        let waiting = self.tasks[task].waiting;
+        let waiting = self.tasks[task].waiting();
         let mut details = vec![("on", self.describe(program, waiting))];
         if let Some(span) = self.form_of(program, task).filter(|span| span.source.0 >= program.library_sources) {
             details.push(("at", program.sources.place(span)));
@@ -140,9 +140,9 @@ impl Machine {
             }
         }
         for task in self.living_tasks() {
-            let fluent = match self.tasks[task].waiting {
-                Waiting::Fluent { fluent, .. } => Some(fluent),
-                Waiting::Watch(watch) => Some(self.watches[watch].fluent),
+            let fluent = match self.tasks[task].waiting() {
+                Some(Waiting::Fluent { fluent, .. }) => Some(fluent),
+                Some(Waiting::Watch(watch)) => Some(self.watches[watch].fluent),
                 _ => None,
             };
             if fluent.is_some_and(|fluent| concerned.contains(&fluent)) {

@@ -71,7 +71,8 @@ fn dig(text: &str) -> (String, Digger) {
     let loaded = loaded.unwrap_or_else(|rejected| panic!("{}", rejected.render(false)));
     let mut system = System::new(library, loaded, Digger::default(), 0);
     while system.advance() == Progress::Running {}
-    let shown = system.with_machine(|machine, around| machine.show(around.program, machine.tasks[machine.main].value));
+    let shown =
+        system.with_machine(|machine, around| machine.show(around.program, *machine.tasks[machine.main].value()));
     (shown, system.outside)
 }
 

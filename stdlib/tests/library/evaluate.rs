@@ -42,9 +42,9 @@ pub fn evaluate_in(library: &Arc<Library>, text: &str) -> Result<String, String>
     while system.advance() == Progress::Running {}
     system.with_machine(|machine, around| match machine.tasks[machine.main].state() {
         rpl_runtime::state::task::State::Succeeded => {
-            Ok(machine.write(around.program, machine.tasks[machine.main].value))
+            Ok(machine.write(around.program, *machine.tasks[machine.main].value()))
         }
-        _ => Err(machine.show(around.program, machine.tasks[machine.main].value)),
+        _ => Err(machine.show(around.program, *machine.tasks[machine.main].value())),
     })
 }
 

@@ -140,7 +140,7 @@ fn any_number_of_elements_is_sorted_and_equal_ones_stay_in_order() {
 /// What a run has printed and how it has ended, when it is over.
 fn ending(mut system: System<NoRobot>) -> String {
     while system.advance() == Progress::Running {}
-    system.with_machine(|machine, around| machine.write(around.program, machine.tasks[machine.main].value))
+    system.with_machine(|machine, around| machine.write(around.program, *machine.tasks[machine.main].value()))
 }
 
 /// r[value.vectors] r[value.order]

@@ -10,6 +10,7 @@ pub use children::{Children, Decision, Held};
 pub use leaving::{Leaving, Swap, Then};
 pub use life::State;
 pub use scope::{PlanCall, Scope, ScopeKind, Scopes};
+use waiting::Prospect;
 pub use waiting::{Raises, Waiting, Wake};
 
 use crate::state::active_time::ActiveTime;
@@ -115,9 +116,9 @@ pub struct Task {
     pub frames: Stack<Frame>,
     /// Scopes, innermost last.
     pub scopes: Scopes,
-    /// What it finds when it goes on, [`Value::Unbound`] if nothing; once dead, its value or failure.
-    pub value: Value,
-    /// Whether that is a failure, raised where it waits.
+    /// What it waits for, finds, or has come to.
+    prospect: Prospect,
+    /// Whether what it finds is a failure, raised where it waits.
     pub raises: Raises,
     /// What few tasks have.
     pub rare: Option<Box<Rare>>,
@@ -158,8 +159,6 @@ pub struct Task {
     pub next: u32,
     /// The line it stands in.
     pub previous: u32,
-    /// What it waits for.
-    pub waiting: Waiting,
     /// Which wait of all it is, or was last: a late timer is recognised by it, and who began to wait
     /// first.
     pub wait_number: u32,
@@ -169,8 +168,8 @@ pub struct Task {
     pub budget_instant: u32,
 }
 
-// A blocked task is to cost 160 bytes: this, its generation, and a register.
-const _: () = assert!(size_of::<Option<Task>>() <= 136);
+// A blocked task is to cost 150 bytes: this, its generation, and a register.
+const _: () = assert!(size_of::<Option<Task>>() <= 128);
 
 impl Task {
     /// A task that has not started.
@@ -180,7 +179,7 @@ impl Task {
             frame: Frame { code, pc: 0, base: 0 },
             frames: Stack::default(),
             scopes: Scopes::default(),
-            value: Value::Unbound,
+            prospect: Prospect::Value(Value::Unbound),
             raises: Raises::Nothing,
             rare: None,
             wake_register: 0,
@@ -201,7 +200,6 @@ impl Task {
             previous_sibling: NONE,
             next: NONE,
             previous: NONE,
-            waiting: Waiting::Nothing,
             wait_number: 0,
             steps: 0,
             budget_instant: 0,
@@ -226,19 +224,59 @@ impl Task {
         self.state = state;
     }
 
-    /// What it finds when it goes on.
+    /// What it waits for, if it does.
+    #[inline]
+    pub fn waiting(&self) -> Option<Waiting> {
+        match self.prospect {
+            Prospect::Wait(waiting) => Some(waiting),
+            Prospect::Value(_) => None,
+        }
+    }
+
+    /// What it finds when it goes on, [`Value::Unbound`] if nothing or if it waits; once dead, its value or failure.
+    #[inline]
+    pub fn value(&self) -> &Value {
+        match &self.prospect {
+            Prospect::Wait(_) => &Value::Unbound,
+            Prospect::Value(value) => value,
+        }
+    }
+
+    /// Begins a wait. What it had found is gone.
+    #[inline]
+    pub(crate) fn wait(&mut self, waiting: Waiting) {
+        (self.prospect, self.raises) = (Prospect::Wait(waiting), Raises::Nothing);
+    }
+
+    /// Ends its wait, if it does.
+    pub(crate) fn end_wait(&mut self) -> Option<Waiting> {
+        let waiting = self.waiting()?;
+        self.prospect = Prospect::Value(Value::Unbound);
+        Some(waiting)
+    }
+
+    /// Comes to a value or failure, at its end.
+    pub(crate) fn conclude(&mut self, result: Value) {
+        (self.prospect, self.raises) = (Prospect::Value(result), Raises::Nothing);
+    }
+
+    /// What it finds when it goes on. Its wait, if it had one, is over.
+    #[inline]
     pub fn set_wake(&mut self, wake: Wake) {
-        (self.value, self.raises) = match wake {
+        let (value, raises) = match wake {
             Wake::Nothing => (Value::Unbound, Raises::Nothing),
             Wake::Value(value) => (value, Raises::Nothing),
             Wake::Raise(failure) => (failure, Raises::Failure),
             Wake::Outcome(failure) => (failure, Raises::Outcome),
         };
+        (self.prospect, self.raises) = (Prospect::Value(value), raises);
     }
 
     /// Takes what it finds now that it goes on.
     pub fn take_wake(&mut self) -> Wake {
-        match (std::mem::replace(&mut self.value, Value::Unbound), std::mem::take(&mut self.raises)) {
+        let value = *self.value();
+        self.prospect = Prospect::Value(Value::Unbound);
+        match (value, std::mem::take(&mut self.raises)) {
             (Value::Unbound, _) => Wake::Nothing,
             (value, Raises::Nothing) => Wake::Value(value),
             (failure, Raises::Failure) => Wake::Raise(failure),
@@ -287,7 +325,7 @@ impl Task {
         let is_decided =
             |scope: &Scope| matches!(&scope.kind, ScopeKind::Children(children) if children.decided.is_some());
         self.raises == Raises::Outcome
-            || self.waiting == Waiting::Children && self.scopes.last().is_some_and(is_decided)
+            || self.waiting() == Some(Waiting::Children) && self.scopes.last().is_some_and(is_decided)
     }
 
     /// Whether it was evaporated while a clean-up or a departure was under way.

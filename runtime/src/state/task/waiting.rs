@@ -4,11 +4,8 @@ use crate::state::value::Value;
 use serde::{Deserialize, Serialize};
 
 /// What a blocked task waits for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Waiting {
-    /// Nothing.
-    #[default]
-    Nothing,
     /// A fluent to be true.
     Fluent {
         /// The fluent.
@@ -38,6 +35,15 @@ pub enum Waiting {
     Signal(u16),
     /// The answer to a question that is thought about beside the run.
     Answer,
+}
+
+/// What a task waits for, or else what it finds or has come to: never both, so that they share a place in its record.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Prospect {
+    /// It waits.
+    Wait(Waiting),
+    /// What it finds when it goes on, [`Value::Unbound`] if nothing; once dead, its value or failure.
+    Value(Value),
 }
 
 /// What a task finds when it goes on.

@@ -28,8 +28,10 @@ impl Machine {
     /// Keeps a signal until somebody takes it, and wakes who waits for it.
     pub(super) fn signal(&mut self, around: &mut Surroundings<'_>, behaviour: u16, signal: Result<(), Value>) {
         self.trace_signal(around, behaviour, &signal);
-        let waiting =
-            self.living_tasks().into_iter().find(|&task| self.tasks[task].waiting == Waiting::Signal(behaviour));
+        let waiting = self
+            .living_tasks()
+            .into_iter()
+            .find(|&task| self.tasks[task].waiting() == Some(Waiting::Signal(behaviour)));
         match waiting {
             Some(task) => {
                 let wake = match signal {
@@ -49,7 +51,7 @@ impl Machine {
             Some(Err(failure)) => Err(Raise::Again(failure)),
             None => {
                 let task = self.current;
-                self.tasks[task].waiting = Waiting::Signal(behaviour);
+                self.tasks[task].wait(Waiting::Signal(behaviour));
                 Ok(false)
             }
         }

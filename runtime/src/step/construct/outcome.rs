@@ -76,7 +76,7 @@ impl Machine {
 
     fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
         let record = &self.tasks[child];
-        let (state, result, position) = (record.state(), record.value, record.position);
+        let (state, result, position) = (record.state(), *record.value(), record.position);
         self.disown(child);
         match &mut self.tasks[parent].scopes[scope as usize].kind {
             ScopeKind::Call(call) => {
@@ -209,7 +209,7 @@ impl Machine {
         }
         let record = &self.tasks[owner];
         let none_left = matches!(&record.scopes[scope as usize].kind, ScopeKind::Call(call) if call.spawned == 0);
-        if none_left && record.state() == State::Blocked && record.waiting == Waiting::Spawned {
+        if none_left && record.state() == State::Blocked && record.waiting() == Some(Waiting::Spawned) {
             if record.is_leaving() {
                 self.unwind(around, owner);
             } else {

@@ -97,7 +97,7 @@ impl Machine {
         if self.evaporate_children(around, task, index as u32) == 0 {
             return false;
         }
-        self.tasks[task].waiting = Waiting::Spawned;
+        self.tasks[task].wait(Waiting::Spawned);
         self.block_and_repeat(place);
         true
     }
@@ -186,7 +186,7 @@ impl Machine {
             }
             None => {
                 let task = self.current;
-                self.tasks[task].waiting = Waiting::Children;
+                self.tasks[task].wait(Waiting::Children);
                 Ok(self.block_for(to))
             }
         }
@@ -482,7 +482,7 @@ impl Machine {
         self.number_wait(task);
         self.fluents[fluent].waiters.push_back(&mut self.tasks, task);
         let record = &mut self.tasks[task];
-        record.waiting = Waiting::Fluent { fluent, owned, timed: due_us.is_some() };
+        record.wait(Waiting::Fluent { fluent, owned, timed: due_us.is_some() });
         record.wake_register = to;
         if let Some(due_us) = due_us {
             self.set_wake_timer(task, due_us);

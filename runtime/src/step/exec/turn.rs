@@ -138,7 +138,8 @@ impl Machine {
         let (task, left) = (self.current, place.steps());
         self.number_wait(task);
         let record = &mut self.tasks[task];
-        (record.waiting, record.wake_register) = (Waiting::Answer, register);
+        record.wait(Waiting::Answer);
+        record.wake_register = register;
         self.leave_off(around, task, place, Exit::Blocked, left)
     }
 
@@ -151,13 +152,13 @@ impl Machine {
         }
         let register = record.wake_register;
         let at = place.frame.base as usize + usize::from(register);
-        match &mut record.value {
+        match record.value() {
             Value::Unbound => return None,
             Value::True if register != NO_REG => self.scratch.stack[at] = Value::True,
             value if register != NO_REG => self.scratch.stack[at] = *value,
             _ => {}
         }
-        record.value = Value::Unbound;
+        record.set_wake(Wake::Nothing);
         None
     }
 

@@ -141,8 +141,9 @@ impl Machine {
         while task != NONE {
             let record = &mut self.tasks[task];
             let next = record.next;
+            let waiting = record.waiting();
             record.set_wake(wake);
-            if let Waiting::Fluent { owned, timed, .. } = std::mem::take(&mut record.waiting) {
+            if let Some(Waiting::Fluent { owned, timed, .. }) = waiting {
                 was_owned |= owned;
                 if timed {
                     self.forget_timer();

@@ -38,7 +38,7 @@ impl Machine {
         if entry.events == 0 {
             self.watches[watch].waits = true;
             let task = entry.task;
-            self.tasks[task].waiting = Waiting::Watch(watch);
+            self.tasks[task].wait(Waiting::Watch(watch));
             self.number_wait(task);
             return Ok(false);
         }

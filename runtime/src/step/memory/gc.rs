@@ -183,8 +183,8 @@ impl Machine {
             task.frames.iter().chain([&task.frame]).for_each(|frame| marker.refer_to(frame.code));
         }
         marker.extend(self.tasks.registers.get(task.registers));
-        marker.push(task.value);
-        if let Waiting::Fluent { fluent, .. } = task.waiting {
+        marker.push(*task.value());
+        if let Some(Waiting::Fluent { fluent, .. }) = task.waiting() {
             marker.push(Value::Fluent(fluent));
         }
         if let Some(rare) = &task.rare {

@@ -133,7 +133,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     }
     call.machine.check_circle(call.around.program, current, index, Waiting::Death(index))?;
     call.machine.join_line(current, index, |rare| &mut rare.mourners);
-    call.machine.tasks[current].waiting = Waiting::Death(index);
+    call.machine.tasks[current].wait(Waiting::Death(index));
     Ok(Reply::Wait)
 }
 
@@ -194,7 +194,7 @@ fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     }
     let is_active = counts_active(call)?;
     let current = call.machine.current;
-    call.machine.tasks[current].waiting = Waiting::Time;
+    call.machine.tasks[current].wait(Waiting::Time);
     if seconds == 0.0 {
         call.machine.give_way(current);
     } else if is_active {
@@ -224,7 +224,7 @@ fn at_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     }
     let current = call.machine.current;
     debug_assert_ne!(current, NONE, "natives run in a task");
-    call.machine.tasks[current].waiting = Waiting::Time;
+    call.machine.tasks[current].wait(Waiting::Time);
     call.machine.set_wake_timer(current, due_us);
     Ok(Reply::Wait)
 }

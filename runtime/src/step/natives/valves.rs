@@ -43,7 +43,7 @@ fn request(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.request_valve(call.around, current, valve)? {
         return Ok(Reply::Value(Value::Nil));
     }
-    debug_assert_eq!(call.machine.tasks[current].waiting, Waiting::Valve(valve));
+    debug_assert_eq!(call.machine.tasks[current].waiting(), Some(Waiting::Valve(valve)));
     Ok(Reply::Wait)
 }
 

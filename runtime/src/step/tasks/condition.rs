@@ -27,9 +27,9 @@ pub struct FluentReading {
 
 impl Machine {
     /// What a task waits for, in words.
-    pub fn describe(&self, program: &Program, waiting: Waiting) -> String {
+    pub fn describe(&self, program: &Program, waiting: Option<Waiting>) -> String {
+        let Some(waiting) = waiting else { return "nothing".into() };
         match waiting {
-            Waiting::Nothing => "nothing".into(),
             Waiting::Fluent { fluent, .. } => self.describe_fluent(program, fluent),
             Waiting::Watch(watch) => self.describe_fluent(program, self.watches[watch].fluent),
             Waiting::Time => "time".into(),
@@ -97,12 +97,12 @@ impl Machine {
     }
 
     /// The fluents with names that decide what a task waits for; none if it waits for no fluent.
-    pub fn readings(&self, program: &Program, waiting: Waiting) -> Vec<FluentReading> {
+    pub fn readings(&self, program: &Program, waiting: Option<Waiting>) -> Vec<FluentReading> {
+        let Some(waiting) = waiting else { return Vec::new() };
         let fluent = match waiting {
             Waiting::Fluent { fluent, .. } => fluent,
             Waiting::Watch(watch) => self.watches[watch].fluent,
-            Waiting::Nothing
-            | Waiting::Time
+            Waiting::Time
             | Waiting::Children
             | Waiting::Spawned
             | Waiting::Valve(_)

@@ -67,10 +67,10 @@ impl Machine {
         let mut parts = Vec::new();
         let mut at = came_from.get(&task).copied().unwrap_or(NONE);
         while at != NONE {
-            parts.push(format!("{} waits for {}", self.path(at), self.describe(program, self.tasks[at].waiting)));
+            parts.push(format!("{} waits for {}", self.path(at), self.describe(program, self.tasks[at].waiting())));
             at = came_from[&at];
         }
-        parts.push(format!("{} waits for {}", self.path(task), self.describe(program, what)));
+        parts.push(format!("{} waits for {}", self.path(task), self.describe(program, Some(what))));
         parts.reverse();
         format!("this would close a circle of waiting: {}", parts.join("; "))
     }
@@ -78,7 +78,8 @@ impl Machine {
     /// The tasks without whose going on this one cannot go on.
     fn must_happen_first(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
-        match record.waiting {
+        let Some(waiting) = record.waiting() else { return Vec::new() };
+        match waiting {
             Waiting::Valve(valve) => self.holder_of(valve).into_iter().collect(),
             Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
                 self.tasks.get_alive(other).map(|_| other).into_iter().collect()
@@ -88,7 +89,6 @@ impl Machine {
                 self.children_of_scope(task, record.scopes.len() as u32 - 1)
             }
             Waiting::Children
-            | Waiting::Nothing
             | Waiting::Fluent { .. }
             | Waiting::Watch(_)
             | Waiting::Time
@@ -110,14 +110,15 @@ impl Machine {
     fn who_waits_for(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
         let mut found = Vec::new();
-        if let Some(parent) = self.tasks.get_alive(record.parent).filter(|parent| parent.state() == State::Blocked) {
-            let is_awaited = match parent.waiting {
+        if let Some(parent) = self.tasks.get_alive(record.parent).filter(|parent| parent.state() == State::Blocked)
+            && let Some(waiting) = parent.waiting()
+        {
+            let is_awaited = match waiting {
                 Waiting::Spawned => true,
                 Waiting::Children => {
                     self.needs_children(record.parent) && record.parent_scope as usize + 1 == parent.scopes.len()
                 }
-                Waiting::Nothing
-                | Waiting::Fluent { .. }
+                Waiting::Fluent { .. }
                 | Waiting::Watch(_)
                 | Waiting::Time
                 | Waiting::Valve(_)
@@ -140,9 +141,9 @@ impl Machine {
     /// At most how many tasks must go on before this one.
     fn crowd_ahead(&self, task: u32) -> usize {
         let record = &self.tasks[task];
-        match (record.waiting, record.scopes.last().map(|scope| &scope.kind)) {
-            (Waiting::Children, Some(ScopeKind::Children(children))) => children.alive as usize,
-            (Waiting::Spawned, Some(ScopeKind::Call(call))) => call.spawned as usize,
+        match (record.waiting(), record.scopes.last().map(|scope| &scope.kind)) {
+            (Some(Waiting::Children), Some(ScopeKind::Children(children))) => children.alive as usize,
+            (Some(Waiting::Spawned), Some(ScopeKind::Call(call))) => call.spawned as usize,
             _ => 1,
         }
     }

@@ -6,7 +6,7 @@ use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::output::Channel;
 use crate::state::slab::NONE;
 use crate::state::stack::Stack;
-use crate::state::task::{Leaving, Naming, Raises, State, Waiting, Wake};
+use crate::state::task::{Leaving, Naming, State, Wake};
 use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
 use crate::step::tasks::unwind::Unwound;
@@ -64,10 +64,8 @@ impl Machine {
         if record.state() != state {
             record.enter(state);
         }
-        record.value = result;
-        record.raises = Raises::Nothing;
+        record.conclude(result);
         record.frames = Stack::default();
-        record.waiting = Waiting::Nothing;
         let registers = std::mem::take(&mut record.registers);
         self.tasks.registers.free(registers);
         if has_rare {

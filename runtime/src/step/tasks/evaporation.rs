@@ -65,7 +65,7 @@ impl Machine {
             self.unqueue(task);
             self.die(around, task, State::Evaporated, Value::Nil);
         } else if record.is_protected() || record.is_committed() {
-            let outcome = (record.raises == Raises::Outcome && !record.is_protected()).then_some(record.value);
+            let outcome = (record.raises == Raises::Outcome && !record.is_protected()).then_some(*record.value());
             self.tasks[task].rare().evaporation_pending = true;
             if let Some(failure) = outcome {
                 self.depart_failing(around, task, failure);
@@ -89,7 +89,7 @@ impl Machine {
             _ => {
                 // A valve's scope is entered before the valve is there: it is left with the wait.
                 let record = &mut self.tasks[task];
-                if let (Waiting::Valve(valve), NO_REG) = (record.waiting, record.wake_register)
+                if let (Some(Waiting::Valve(valve)), NO_REG) = (record.waiting(), record.wake_register)
                     && record.scopes.last().is_some_and(|scope| scope.kind == ScopeKind::Valve(valve))
                 {
                     record.scopes.pop();

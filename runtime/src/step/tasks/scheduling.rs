@@ -2,7 +2,7 @@
 
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::task::{State, Waiting};
+use crate::state::task::State;
 
 impl Machine {
     /// The priority a task runs at: its own, or that of a requester whose way it blocks.
@@ -98,7 +98,7 @@ impl Machine {
 
     /// Lets a running task go to the end of the line of its priority: its wait is over already.
     pub(crate) fn give_way(&mut self, task: u32) {
-        self.tasks[task].waiting = Waiting::Nothing;
+        self.tasks[task].end_wait();
         self.scratch.gives_way = true;
     }
 }

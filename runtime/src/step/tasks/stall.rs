@@ -56,7 +56,7 @@ impl Machine {
         let stuck: Vec<u32> = self.living_tasks().into_iter().filter(|&task| is_stuck(&self.tasks[task])).collect();
         let told = stuck.iter().take(MAX_TOLD).map(|&task| match self.tasks[task].is_held() {
             true => format!("{} is suspended", self.path(task)),
-            false => format!("{} waits for {}", self.path(task), self.describe(program, self.tasks[task].waiting)),
+            false => format!("{} waits for {}", self.path(task), self.describe(program, self.tasks[task].waiting())),
         });
         let more = stuck.len().saturating_sub(MAX_TOLD);
         told.chain((more > 0).then(|| format!("and {more} more"))).collect::<Vec<_>>().join("; ")
@@ -81,7 +81,7 @@ impl Machine {
 
     /// Whether a question is being thought about. Cost: a look at all tasks.
     fn thinks(&self) -> bool {
-        self.tasks.iter().any(|(_, task)| task.waiting == Waiting::Answer)
+        self.tasks.iter().any(|(_, task)| task.waiting() == Some(Waiting::Answer))
     }
 
     /// Whether a task is a policy, or below one.

@@ -38,7 +38,7 @@ impl Machine {
         let Some(rare) = &self.tasks[task].rare else { return };
         let fluents = rare.fluents.clone();
         let record = &self.tasks[task];
-        let (state, result) = (record.state(), record.value);
+        let (state, result) = (record.state(), *record.value());
         let suspended = record.is_held() && !state.is_dead() && state != State::Created;
         let begun = Value::truth(state != State::Created);
         let name = if suspended { "suspended" } else { state.name() };

@@ -120,7 +120,7 @@ impl Machine {
             return false;
         }
         self.join_line(current, other, |rare| &mut rare.resters);
-        self.tasks[current].waiting = Waiting::Rest(other);
+        self.tasks[current].wait(Waiting::Rest(other));
         self.waits_for_rest += 1;
         true
     }

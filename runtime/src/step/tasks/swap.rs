@@ -78,7 +78,7 @@ impl Machine {
             self.check_circle(around.program, current, task, Waiting::Swap(task))?;
         }
         self.join_line(current, task, |rare| &mut rare.mourners);
-        self.tasks[current].waiting = Waiting::Swap(task);
+        self.tasks[current].wait(Waiting::Swap(task));
         Ok(())
     }
 
@@ -255,7 +255,7 @@ impl Machine {
             self.check_circle(around.program, current, task, Waiting::Rest(task))?;
         }
         self.join_line(current, task, |rare| &mut rare.resters);
-        self.tasks[current].waiting = Waiting::Rest(task);
+        self.tasks[current].wait(Waiting::Rest(task));
         self.waits_for_rest += 1;
         Ok(Reply::Wait)
     }
@@ -309,7 +309,7 @@ impl Machine {
             machine.give_back_valves(around, task, &swap.kept);
             machine.put_at_start(task, swap.code);
             let by = swap.by.and_then(|by| machine.tasks.find_alive(by));
-            if let Some(by) = by.filter(|&by| machine.tasks[by].waiting == Waiting::Swap(task)) {
+            if let Some(by) = by.filter(|&by| machine.tasks[by].waiting() == Some(Waiting::Swap(task))) {
                 machine.wake(by, Wake::Value(Value::True));
             }
         });

@@ -51,7 +51,7 @@ impl Machine {
         if self.tasks[task].state() != State::Blocked || !self.tasks[task].is_leaving() {
             return;
         }
-        self.tasks[task].waiting = Waiting::Nothing;
+        self.tasks[task].end_wait();
         match self.unwind_step(around, task, false) {
             Unwound::Land(_) => self.make_ready(task),
             Unwound::Swapped if self.take_up_pending(around, task) => self.unwind(around, task),
@@ -79,7 +79,7 @@ impl Machine {
                 let hooks = self.children(task);
                 self.evaporate_all(around, &hooks);
                 if self.tasks[task].first_child != NONE {
-                    self.tasks[task].waiting = Waiting::Children;
+                    self.tasks[task].wait(Waiting::Children);
                     if self.tasks[task].state() == State::Running {
                         self.set_state(task, State::Blocked);
                     }
@@ -99,7 +99,7 @@ impl Machine {
             match self.pop_scope(around, task, scope, leaving) {
                 Popped::On => {}
                 Popped::Wait(waiting) => {
-                    self.tasks[task].waiting = waiting;
+                    self.tasks[task].wait(waiting);
                     if self.tasks[task].state() == State::Running {
                         self.set_state(task, State::Blocked);
                     }
@@ -145,7 +145,7 @@ impl Machine {
         {
             return self.unhandled(program, task, &Leaving::Fail(failure), record.scopes.len() - 1);
         }
-        let outcome = (record.raises == Raises::Outcome).then_some(Leaving::Fail(record.value));
+        let outcome = (record.raises == Raises::Outcome).then_some(Leaving::Fail(*record.value()));
         let leaving = record.leaving().or(outcome.as_ref())?;
         self.unhandled(program, task, leaving, record.scopes.len())
     }

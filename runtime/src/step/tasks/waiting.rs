@@ -12,8 +12,7 @@ impl Machine {
         if record.state() != State::Blocked {
             return;
         }
-        if let Waiting::Fluent { fluent, owned: false, timed: false } = record.waiting {
-            record.waiting = Waiting::Nothing;
+        if let Some(Waiting::Fluent { fluent, owned: false, timed: false }) = record.waiting() {
             record.wait_number = number;
             record.set_wake(wake);
             self.waits = number;
@@ -35,8 +34,9 @@ impl Machine {
 
     /// Withdraws a task from whatever it waits for.
     pub(crate) fn stop_waiting(&mut self, task: u32) {
-        let waiting = std::mem::take(&mut self.tasks[task].waiting);
+        let waiting = self.tasks[task].end_wait();
         self.number_wait(task);
+        let Some(waiting) = waiting else { return };
         match waiting {
             Waiting::Fluent { fluent, owned, timed } => {
                 self.leave_fluent(task, fluent, owned);
@@ -64,7 +64,7 @@ impl Machine {
                 self.waits_for_rest -= 1;
                 self.leave_line(task, other, |rare| &mut rare.resters);
             }
-            Waiting::Nothing | Waiting::Children | Waiting::Spawned | Waiting::Signal(_) | Waiting::Answer => {}
+            Waiting::Children | Waiting::Spawned | Waiting::Signal(_) | Waiting::Answer => {}
         }
     }
 

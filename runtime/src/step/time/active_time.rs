@@ -82,7 +82,7 @@ impl Machine {
             ScopeKind::Children(children) if children.decided.is_none() => children.active,
             _ => None,
         });
-        wait.is_none_or(|clock| record.waiting == Waiting::Time && is_right(clock, record.is_held()))
+        wait.is_none_or(|clock| record.waiting() == Some(Waiting::Time) && is_right(clock, record.is_held()))
             // The body may leave while it is suspended: then it comes to nothing.
             && deadline.is_none_or(|clock| is_right(clock, record.is_held()) || record.is_protected())
     }

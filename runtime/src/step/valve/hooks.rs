@@ -66,7 +66,7 @@ impl Machine {
     pub(crate) fn hooks_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
         let Some(valve) = self.tasks[task].rare.as_ref().and_then(|rare| rare.hooks_for) else { return };
         if self.tasks[task].state() == State::Failed {
-            let failure = self.tasks[task].value;
+            let failure = *self.tasks[task].value();
             self.warn_of_failure(around.program, failure, "in a hook");
         }
         if self.valves[valve as usize].handover.take() == Some(Handover::GiveBack) {

@@ -3,7 +3,7 @@
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::NONE;
-use crate::state::task::{Waiting, Wake};
+use crate::state::task::Wake;
 use crate::state::value::{TaskRef, Value};
 use crate::state::valve::{HoldPurpose, Link, LinkKind, NO_LINK};
 use crate::step::native::Surroundings;
@@ -16,7 +16,7 @@ impl Machine {
         self.leave_valve_line(task, valve);
         self.take(task, valve, HoldPurpose::Plan);
         if task == self.current {
-            self.tasks[task].waiting = Waiting::Nothing;
+            self.tasks[task].end_wait();
         } else {
             self.wake(task, Wake::Value(Value::Nil));
         }

@@ -41,10 +41,10 @@ impl Machine {
             self.check_circle(around.program, task, holder, Waiting::Valve(valve))?;
         }
         self.trace_valve(task, valve, "requested");
-        self.tasks[task].waiting = Waiting::Valve(valve);
+        self.tasks[task].wait(Waiting::Valve(valve));
         self.join_valve_line(task, valve);
         self.stir(around, valve);
-        Ok(self.tasks[task].waiting != Waiting::Valve(valve))
+        Ok(self.tasks[task].waiting() != Some(Waiting::Valve(valve)))
     }
 
     /// A request takes its place.
@@ -86,7 +86,7 @@ impl Machine {
 
     /// A task that waits for a valve was suspended, resumed, or has another priority now.
     pub(crate) fn change_line(&mut self, task: u32, change: impl FnOnce(&mut Self)) {
-        let Waiting::Valve(valve) = self.tasks[task].waiting else { return change(self) };
+        let Some(Waiting::Valve(valve)) = self.tasks[task].waiting() else { return change(self) };
         self.valves[valve as usize].leave(&self.priorities, task);
         change(self);
         self.enter_line(task, valve);

@@ -67,7 +67,7 @@ fn gone_on_with(text: &str, times_s: &[u64]) -> String {
         }
         system.machine.check_invariants().unwrap_or_else(|broken| panic!("{text}\n{broken}"));
         if progress == Progress::Ended {
-            let value = system.machine.tasks[system.machine.main].value;
+            let value = *system.machine.tasks[system.machine.main].value();
             let ended = system.with_machine(|machine, around| machine.show(around.program, value));
             let printed = system.machine.output.iter().map(|line| line.text.clone());
             return printed.chain([ended]).collect::<Vec<_>>().join("\n");
