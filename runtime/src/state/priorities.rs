@@ -244,17 +244,33 @@ impl Priorities {
     /// Puts a task at the end of its line, or at the front.
     #[inline]
     pub fn enqueue(&mut self, tasks: &mut Tasks, task: u32, priority: u32, front: bool) {
+        if !front {
+            return self.append(tasks, Line { first: task, last: task }, priority);
+        }
         let line = &mut self.all[priority].line;
         let was_empty = line.first == NONE;
-        if front {
-            line.push_front(tasks, task);
-        } else {
-            line.push_back(tasks, task);
-        }
+        line.push_front(tasks, task);
         if was_empty {
-            let turn = if self.ready.is_empty() { 0 } else { self.turn(priority) };
-            self.ready.insert(turn, priority);
+            self.note_ready(priority);
         }
+    }
+
+    /// Puts tasks that stand behind one another at the end of a line.
+    #[inline]
+    pub fn append(&mut self, tasks: &mut Tasks, stretch: Line, priority: u32) {
+        let line = &mut self.all[priority].line;
+        let was_empty = line.first == NONE;
+        line.append(tasks, stretch);
+        if was_empty {
+            self.note_ready(priority);
+        }
+    }
+
+    /// Notes that a priority, which had none, has ready tasks.
+    #[inline]
+    fn note_ready(&mut self, priority: u32) {
+        let turn = if self.ready.is_empty() { 0 } else { self.turn(priority) };
+        self.ready.insert(turn, priority);
     }
 
     /// Takes a task out of its line.

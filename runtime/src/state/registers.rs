@@ -84,17 +84,22 @@ impl RegisterStore {
     }
 
     /// Gives a block back.
+    #[inline]
     pub fn free(&mut self, registers: Registers) {
-        let (start, count) = (registers.start, registers.count as usize);
-        if count == 0 {
-            return;
+        if registers.count > 0 {
+            self.link(registers);
         }
+    }
+
+    fn link(&mut self, registers: Registers) {
+        let (start, count) = (registers.start, registers.count as usize);
         let (class, size) = class(count);
         if self.free.len() <= class {
             self.free.resize(class + 1, Value::Nil);
         }
         let block = &mut self.values[start as usize..start as usize + size];
-        block.fill(Value::Nil);
+        // The first becomes the link.
+        block[1..].fill(Value::Nil);
         block[0] = std::mem::replace(&mut self.free[class], Value::Int(i64::from(start)));
     }
 

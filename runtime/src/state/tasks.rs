@@ -28,8 +28,8 @@ impl Tasks {
 
     /// Frees a dead task's slot.
     pub fn free(&mut self, index: u32) {
-        if let Some(task) = self.slots.get_mut(index) {
-            self.registers.free(std::mem::take(&mut task.registers));
+        if let Some(task) = self.slots.get(index) {
+            self.registers.free(task.registers);
             self.slots.clear(index);
             self.generations[index as usize] += 1;
         }
@@ -141,15 +141,21 @@ impl Line {
     /// Adds at the end.
     #[inline]
     pub fn push_back(&mut self, tasks: &mut Tasks, task: u32) {
-        let record = &mut tasks[task];
-        record.previous = self.last;
-        record.next = NONE;
+        self.append(tasks, Line { first: task, last: task });
+    }
+
+    /// Adds tasks at the end that stand behind one another, and perhaps between others, in a line that is given up. Cost:
+    /// that of one of them.
+    #[inline]
+    pub fn append(&mut self, tasks: &mut Tasks, stretch: Line) {
+        tasks[stretch.first].previous = self.last;
+        tasks[stretch.last].next = NONE;
         if self.last == NONE {
-            self.first = task;
+            self.first = stretch.first;
         } else {
-            tasks[self.last].next = task;
+            tasks[self.last].next = stretch.first;
         }
-        self.last = task;
+        self.last = stretch.last;
     }
 
     /// Adds at the front.

@@ -69,12 +69,8 @@ impl Machine {
         }
     }
 
-    /// A child has died: the rule looks at it.
+    /// A child has died: the rule looks at it. What it decides is a part of the death.
     pub(crate) fn child_ended(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
-        self.as_one(around, |machine, around| machine.look_at_child(around, parent, scope, child));
-    }
-
-    fn look_at_child(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, child: u32) {
         let record = &self.tasks[child];
         let (state, result, position) = (record.state(), *record.value(), record.position);
         self.disown(child);

@@ -3,6 +3,7 @@
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::projected::{Answered, Asked};
+use crate::state::registers::Registers;
 use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Frame, Raises, ScopeKind, State, Waiting, Wake};
@@ -27,10 +28,14 @@ pub(crate) enum Ran {
 }
 
 impl Machine {
-    /// Runs the next ready task until it blocks, ends or is switched out.
+    /// Runs the next ready task until it blocks, ends or is switched out. If there is none, garbage that is due is
+    /// collected now: what happens next does not wait for it.
     pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
         match self.priorities.pop(&mut self.tasks) {
-            None => Ran::Nothing,
+            None => {
+                self.collect_at_rest();
+                Ran::Nothing
+            }
             Some(task) => self.run_ready(around, task),
         }
     }
@@ -64,18 +69,19 @@ impl Machine {
             record.strikes = 0;
         }
         record.steps = record.steps.saturating_add(1);
+        // What follows changes neither.
+        let (steps, registers) = (self.limits.steps.saturating_sub(record.steps), record.registers);
+        let mut place = Cursor::new(record.frame, steps, around.slice_steps);
+        let has_frames = !record.frames.is_empty();
         if record.rare.is_some() {
             self.note_status(task);
         }
         self.flush_status(around);
-        let record = &self.tasks[task];
-        let steps = self.limits.steps.saturating_sub(record.steps);
-        let mut place = Cursor::new(record.frame, steps, around.slice_steps);
         self.scratch.frames.clear();
-        if !record.frames.is_empty() {
-            self.scratch.frames.extend_from_slice(&record.frames);
+        if has_frames {
+            self.scratch.frames.extend_from_slice(&self.tasks[task].frames);
         }
-        self.restore_registers(around.program, task, place.frame);
+        self.restore_registers(around.program, registers, place.frame);
         let exit = match self.take_up(around, task, &mut place) {
             Some(exit) => exit,
             None => self.execute(around, &mut place, 0),
@@ -197,7 +203,7 @@ impl Machine {
     }
 
     /// Puts a task's registers on the stack. What its record does not keep is nil.
-    fn restore_registers(&mut self, program: &Program, task: u32, frame: Frame) {
+    fn restore_registers(&mut self, program: &Program, registers: Registers, frame: Frame) {
         let end = |frame: &Frame| frame.base as usize + usize::from(program.codes[frame.code as usize].registers);
         let top = self.scratch.frames.iter().map(end).fold(end(&frame), usize::max);
         if self.scratch.stack.len() < top + WINDOW {
@@ -208,7 +214,7 @@ impl Machine {
             self.scratch.frames.shrink_to(self.scratch.frames.len() * 2);
         }
         let stack = &mut self.scratch.stack[..top];
-        let values = self.tasks.registers_of(task);
+        let values = self.tasks.registers.get(registers);
         let kept = values.len().min(top);
         self.scratch.work += kept as u64;
         for (register, &value) in stack.iter_mut().zip(values) {

@@ -2,11 +2,12 @@
 
 use crate::state::failure::Raise;
 use crate::state::fluent::{Fluent, Origin};
+use crate::state::line::Line;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::scratch::Reads;
 use crate::state::slab::{NONE, Slab};
-use crate::state::task::{Waiting, Wake};
+use crate::state::task::{State, Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
 use rpl_lang::kind::Kind;
@@ -138,21 +139,41 @@ impl Machine {
     pub(crate) fn wake_waiters(&mut self, fluent: u32, wake: Wake) {
         let mut task = std::mem::take(&mut self.fluents[fluent].waiters).first;
         let mut was_owned = false;
+        // Those of one priority that stand behind one another go over into the run queue as they stand.
+        let mut stretch: Option<(u32, Line)> = None;
         while task != NONE {
-            let record = &mut self.tasks[task];
-            let next = record.next;
-            let waiting = record.waiting();
-            record.set_wake(wake);
-            if let Some(Waiting::Fluent { owned, timed, .. }) = waiting {
+            if let Some(Waiting::Fluent { owned, timed, .. }) = self.tasks[task].waiting() {
                 was_owned |= owned;
                 if timed {
                     self.forget_timer();
                 }
             }
-            self.number_wait(task);
+            self.waits = self.waits.wrapping_add(1);
+            let record = &mut self.tasks[task];
+            record.wait_number = self.waits;
+            record.set_wake(wake);
+            let (next, is_plain) = (record.next, record.rare.is_none() && self.claims == 0);
+            let priority = record.priority;
+            if is_plain {
+                record.enter(State::Ready);
+            }
             self.trace_woken(task);
-            self.make_ready(task);
+            match &mut stretch {
+                Some((of, line)) if is_plain && *of == priority => line.last = task,
+                _ => {
+                    if let Some((of, line)) = stretch.take() {
+                        self.enqueue_all(line, of);
+                    }
+                    match is_plain {
+                        true => stretch = Some((priority, Line { first: task, last: task })),
+                        false => self.make_ready(task),
+                    }
+                }
+            }
             task = next;
+        }
+        if let Some((of, line)) = stretch {
+            self.enqueue_all(line, of);
         }
         if was_owned {
             self.free_network(fluent);

@@ -133,11 +133,15 @@ impl Machine {
             activation.failures().for_each(|failure| marker.push(failure));
         }
         // Living tasks keep what they hold, whether a plan can name them or not.
-        let mut unnamed = Vec::new();
+        let mut dead_tasks = Vec::new();
+        let mut priorities = Marks::new(self.priorities.slots());
         for (index, task) in self.tasks.iter() {
             match task.state().is_dead() {
-                true => unnamed.push(index),
-                false => self.mark_task(&mut marker, index, task),
+                true => dead_tasks.push(index),
+                false => {
+                    self.mark_task(&mut marker, index, task);
+                    mark_priorities(&mut priorities, task);
+                }
             }
         }
         self.mark(&mut marker);
@@ -153,15 +157,11 @@ impl Machine {
             self.fluents.remove(fluent);
         }
         marker.bytes += self.fluents.iter().map(|(_, fluent)| memory::fluent_parts(fluent)).sum::<usize>();
-        unnamed.retain(|&index| index != self.main && !marker.tasks.is_set(index));
-        for task in unnamed {
-            self.tasks.free(task);
-        }
-        let mut priorities = Marks::new(self.priorities.slots());
-        for (_, task) in self.tasks.iter() {
-            priorities.set(task.priority);
-            if let Some(boost) = task.rare.as_ref().and_then(|rare| rare.boost) {
-                priorities.set(boost);
+        for index in dead_tasks {
+            if index == self.main || marker.tasks.is_set(index) {
+                mark_priorities(&mut priorities, &self.tasks[index]);
+            } else {
+                self.tasks.free(index);
             }
         }
         let slack = self.slack();
@@ -174,18 +174,31 @@ impl Machine {
         marker.code
     }
 
+    #[inline]
     fn mark_task(&self, marker: &mut Marker, index: u32, task: &Task) {
         if !marker.tasks.set(index) {
             return;
         }
-        marker.bytes += memory::task(task);
         if !task.state().is_dead() {
-            task.frames.iter().chain([&task.frame]).for_each(|frame| marker.refer_to(frame.code));
+            marker.refer_to(task.frame.code);
         }
         marker.extend(self.tasks.registers.get(task.registers));
-        marker.push(*task.value());
-        if let Some(Waiting::Fluent { fluent, .. }) = task.waiting() {
-            marker.push(Value::Fluent(fluent));
+        match task.waiting() {
+            Some(Waiting::Fluent { fluent, .. }) => marker.push(Value::Fluent(fluent)),
+            Some(_) => {}
+            None => marker.push(*task.value()),
+        }
+        if task.rare.is_some() || !task.scopes.is_empty() || !task.frames.is_empty() {
+            self.mark_more_of_task(marker, task);
+        }
+    }
+
+    /// Marks what not all tasks have.
+    #[inline(never)]
+    fn mark_more_of_task(&self, marker: &mut Marker, task: &Task) {
+        marker.bytes += memory::task(task);
+        if !task.state().is_dead() {
+            task.frames.iter().for_each(|frame| marker.refer_to(frame.code));
         }
         if let Some(rare) = &task.rare {
             if let Some(swap) = &rare.swap_pending {
@@ -353,6 +366,14 @@ impl Machine {
             marker.refer_to(*code);
             marker.extend(captured);
         }
+    }
+}
+
+/// Marks the priorities of a task.
+fn mark_priorities(priorities: &mut Marks, task: &Task) {
+    priorities.set(task.priority);
+    if let Some(boost) = task.rare.as_ref().and_then(|rare| rare.boost) {
+        priorities.set(boost);
     }
 }
 

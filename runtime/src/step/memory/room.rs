@@ -106,6 +106,17 @@ impl Machine {
         if self.heap.is_full() { self.collect_here(self.scratch.top) } else { Ok(()) }
     }
 
+    /// Collects garbage, if it is due, while no task runs and the main task lives. If that might not make room, it is
+    /// left to an instruction, which can fail.
+    #[inline]
+    pub(crate) fn collect_at_rest(&mut self) {
+        if self.heap.is_full() && self.has_room(0) && self.tasks.get_alive(self.main).is_some() {
+            self.scratch.top = 0;
+            self.scratch.frames.clear();
+            self.collect();
+        }
+    }
+
     /// Collects garbage while registers below `top` are in use.
     #[cold]
     #[inline(never)]

@@ -1,5 +1,6 @@
 //! States of tasks, and the run queue.
 
+use crate::state::line::Line;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::task::State;
@@ -65,6 +66,20 @@ impl Machine {
     #[inline]
     fn enqueue(&mut self, task: u32, priority: u32, front: bool) {
         self.priorities.enqueue(&mut self.tasks, task, priority, front);
+        self.note_queued(priority);
+    }
+
+    /// Puts tasks that are ready and stand behind one another into the run queue, none of which has anything of what few
+    /// have.
+    #[inline]
+    pub(crate) fn enqueue_all(&mut self, stretch: Line, priority: u32) {
+        self.priorities.append(&mut self.tasks, stretch, priority);
+        self.note_queued(priority);
+    }
+
+    /// Has the running task look whether it must give way to one of this priority.
+    #[inline]
+    fn note_queued(&mut self, priority: u32) {
         if self.current == NONE || self.scratch.switch {
             return;
         }
