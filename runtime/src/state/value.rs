@@ -88,6 +88,15 @@ impl Value {
         }
     }
 
+    /// Whether it may refer to something.
+    #[inline]
+    pub fn refers(&self) -> bool {
+        !matches!(
+            self,
+            Value::Nil | Value::True | Value::Int(_) | Value::Float(_) | Value::Symbol(_) | Value::Keyword(_)
+        )
+    }
+
     /// A copy made of the parts it was written in, as in `assign!`.
     #[inline(always)]
     pub fn copied(&self) -> Self {

@@ -87,6 +87,13 @@ impl Pairs {
         &mut self.cars[pair as usize]
     }
 
+    /// The pair that follows a pair, where it is told by its number.
+    #[inline]
+    pub fn next(&self, pair: u32) -> Option<u32> {
+        let Tail(next) = self.tails[pair as usize];
+        (next < OTHER).then_some(next)
+    }
+
     /// What follows a pair.
     #[inline]
     pub fn cdr(&self, pair: u32) -> Value {
@@ -137,17 +144,21 @@ impl Pairs {
     }
 
     /// A new last pair behind the last one.
-    #[inline]
+    #[inline(always)]
     pub(super) fn extend(&mut self, end: u32, car: &Value) -> u32 {
-        let pair = self.place(Value::Nil, END);
-        self.cars[pair as usize].set(car);
+        let pair = self.place(car.copied(), END);
         match &mut self.tails[end as usize] {
             last if *last == END => *last = Tail(pair),
-            _ => {
-                self.set_cdr(end, Value::Cons(pair));
-            }
+            _ => self.replace_tail(end, pair),
         }
         pair
+    }
+
+    /// Lets a pair follow another one, which is not the last.
+    #[cold]
+    #[inline(never)]
+    fn replace_tail(&mut self, pair: u32, next: u32) {
+        self.set_cdr(pair, Value::Cons(next));
     }
 
     #[inline(never)]

@@ -129,13 +129,19 @@ impl Heap {
 
     /// A new last pair of a list whose last pair was `end`; its number, because a value would be put together in memory and
     /// read from there.
-    #[inline]
+    #[inline(always)]
     pub fn extend(&mut self, end: &Value, value: &Value) -> u32 {
         self.allocated += PAIR;
         match *end {
             Value::Cons(end) => self.pairs.extend(end, value),
-            _ => self.pairs.cons(value.copied(), Value::Nil).0,
+            _ => self.first_pair(value),
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn first_pair(&mut self, value: &Value) -> u32 {
+        self.pairs.cons(*value, Value::Nil).0
     }
 
     /// A new string.

@@ -505,7 +505,10 @@ impl Machine {
                         Value::Cons(pair) => {
                             jump!(distance);
                             assign!(r!(to), *self.heap.pairs.car(pair));
-                            r!(at) = self.heap.pairs.cdr(pair);
+                            match self.heap.pairs.next(pair) {
+                                Some(next) => r!(at) = Value::Cons(next),
+                                None => r!(at) = self.heap.pairs.cdr(pair),
+                            }
                             next!();
                         }
                         Value::Nil => {}

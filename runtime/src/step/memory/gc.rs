@@ -291,8 +291,10 @@ impl Machine {
     fn mark_list(&self, marker: &mut Marker, first: u32) {
         let mut at = first;
         loop {
-            let (car, cdr) = self.heap.pair(at);
-            marker.push(car);
+            let (car, cdr) = (self.heap.pairs.car(at), self.heap.pairs.cdr(at));
+            if car.refers() {
+                marker.push(*car);
+            }
             match cdr {
                 Value::Cons(next) if marker.heap.pairs.set(next) => at = next,
                 Value::Cons(_) => return,
