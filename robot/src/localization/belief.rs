@@ -382,6 +382,7 @@ impl Belief {
         Surroundings {
             grid: &model.grid,
             ground: &model.ground,
+            instructions: model.instructions,
             quiet: stored(self.asleep),
             loud: stored(model.threshold()),
         }

@@ -2,7 +2,7 @@
 //! that rounds alike whatever the width of the registers: the loops are written in
 //! [`lanes`](super::lanes), and [`simd`](super::simd) compiles them for wider ones.
 
-use super::grid::{BLOCK, TILE};
+use super::grid::{BLOCK, TILE, TILE_EDGE};
 use super::lanes::{Float, LANES, Lanes};
 
 /// Blocks of a tile.
@@ -243,6 +243,37 @@ pub(super) fn weigh<L: Lanes>(
         }
     }
     visited.extent()
+}
+
+/// Edge of a tile and one cell around it.
+pub(super) const WIDER: usize = TILE_EDGE + 2;
+
+/// The cells of a tile and those around it, `[row][column]`.
+pub(super) type Wider = [[f32; WIDER]; WIDER];
+
+/// Writes the tile in the middle, spread by `[g, 1 − 2g, g]` along x and then along y.
+#[inline(always)]
+pub(super) fn spread(wider: &Wider, [spread_x, spread_y]: [f32; 2], cells: &mut [f32; TILE]) {
+    let along_x = |row: &[f32; WIDER]| -> [f32; TILE_EDGE] {
+        std::array::from_fn(|at| (1.0 - 2.0 * spread_x) * row[at + 1] + spread_x * (row[at] + row[at + 2]))
+    };
+    let [mut below, mut middle] = [0, 1].map(|row| along_x(&wider[row]));
+    for (cells, row) in cells.as_chunks_mut::<TILE_EDGE>().0.iter_mut().zip(&wider[2..]) {
+        let above = along_x(row);
+        for (at, cell) in cells.iter_mut().enumerate() {
+            *cell = (1.0 - 2.0 * spread_y) * middle[at] + spread_y * below[at] + spread_y * above[at];
+        }
+        (below, middle) = (middle, above);
+    }
+}
+
+/// 1 − 2g of the first cells and g of each of the others.
+#[inline(always)]
+pub(super) fn blend([own, before, after]: [&[f32; TILE]; 3], spread: f32, cells: &mut [f32; TILE]) {
+    let keep = 1.0 - 2.0 * spread;
+    for (cell, ((own, before), after)) in cells.iter_mut().zip(own.iter().zip(before).zip(after)) {
+        *cell = keep * own + spread * before + spread * after;
+    }
 }
 
 /// Cells read by lifted terms.

@@ -2,7 +2,9 @@
 
 use super::grid::{BeliefGrid, TILE, TILE_EDGE};
 use super::ground::{Cells, Ground};
+use super::kernel::{WIDER, Wider};
 use super::plane::Plane;
+use super::simd::Instructions;
 use super::tile::Tile;
 use std::sync::Arc;
 
@@ -14,13 +16,12 @@ const BLUR_MOST: f64 = 0.5;
 
 const EDGE: i64 = TILE_EDGE as i64;
 
-/// A tile and one cell around it.
-const WIDER: usize = TILE_EDGE + 2;
-
 /// What lies around the tiles that are awake.
 pub(super) struct Surroundings<'m> {
     pub grid: &'m BeliefGrid,
     pub ground: &'m Ground,
+    /// What the loops over cells are run with.
+    pub instructions: Instructions,
     /// What a cell that sleeps would be stored as.
     pub quiet: f32,
     /// What θ would be stored as: a tile wakes when a cell that can be stood in reaches it.
@@ -34,10 +35,6 @@ pub(super) struct Share<'a> {
     /// By how many columns and rows it is moved.
     pub by_cells: [i64; 2],
 }
-
-/// A square of cells, `[row][column]`. Those that an operation works with are made once for a plane: to clear one takes
-/// as long as to work with it.
-type Square<const SIDE: usize> = [[f32; SIDE]; SIDE];
 
 /// Tiles that nobody needs any more, to be written anew: to get memory for new ones and to give back that of old ones
 /// takes longer than to write it.
@@ -84,21 +81,21 @@ impl Surroundings<'_> {
     fn shifted(&self, plane: &Plane, by_cells: [i64; 2], spare: &mut Spare) -> Arc<Vec<Tile>> {
         let reached = self.reached(plane, by_cells, 0);
         self.rebuilt(plane, reached, spare, |_, [column, row], is_awake, cells| {
-            self.copy_square(plane, [column - by_cells[0], row - by_cells[1]], cells);
-            is_awake || self.can_wake(cells.as_flattened(), 1.0)
+            self.copy_moved(plane, [column - by_cells[0], row - by_cells[1]], cells);
+            is_awake || self.can_wake(cells, 1.0)
         })
     }
 
     /// Every cell of a plane spread by `[g, 1 − 2g, g]` along each axis: mean 0, variance 2g cells².
     fn blurred(&self, plane: &Plane, spread: [f32; 2], spare: &mut Spare) -> Arc<Vec<Tile>> {
         let reached = self.reached(plane, [0, 0], 1);
+        // Made once for a plane: to clear it takes as long as to work with it.
         let mut wider = [[0.0; WIDER]; WIDER];
-        let mut along_x = [[0.0; TILE_EDGE]; WIDER];
         self.rebuilt(plane, reached, spare, |_, [column, row], is_awake, cells| {
-            self.copy_square(plane, [column - 1, row - 1], &mut wider);
+            self.copy_wider(plane, [column / EDGE, row / EDGE], &mut wider);
             let is_due = is_awake || self.can_wake(wider.as_flattened(), spread[0] + spread[1]);
             if is_due {
-                spread_out(&wider, spread, &mut along_x, cells);
+                self.instructions.spread(&wider, spread, cells);
             }
             is_due
         })
@@ -110,9 +107,8 @@ impl Surroundings<'_> {
         others.iter().for_each(|other| reached.extend(self.reached(other.plane, other.by_cells, 0)));
         reached.sort_unstable();
         reached.dedup();
-        let keep = 1.0 - 2.0 * spread;
         let shares = [&Share { plane: own, by_cells: [0, 0] }, &others[0], &others[1]];
-        let mut copies = [[[0.0; TILE_EDGE]; TILE_EDGE]; 3];
+        let mut copies = [[0.0; TILE]; 3];
         self.rebuilt(own, reached, spare, |number, corner, is_awake, cells| {
             let [copy, copy_before, copy_after] = &mut copies;
             let [of_own, of_before, of_after] = shares;
@@ -122,27 +118,18 @@ impl Surroundings<'_> {
                 return false;
             }
             let own = self.seen(of_own, number, corner, copy);
-            let terms = own.iter().zip(before).zip(after);
-            for (cell, ((own, before), after)) in cells.as_flattened_mut().iter_mut().zip(terms) {
-                *cell = keep * own + spread * before + spread * after;
-            }
+            self.instructions.blend([own, before, after], spread, cells);
             true
         })
     }
 
     /// The cells of a tile as another plane has them: its own where they are awake and not moved, else a copy.
-    fn seen<'a>(
-        &self,
-        share: &Share<'a>,
-        number: u32,
-        [column, row]: [i64; 2],
-        copy: &'a mut Square<TILE_EDGE>,
-    ) -> &'a [f32] {
+    fn seen<'a>(&self, share: &Share<'a>, number: u32, [column, row]: [i64; 2], copy: &'a mut Cells) -> &'a Cells {
         match share.plane.tile(number).filter(|_| share.by_cells == [0, 0]) {
-            Some(tile) => &tile.cells[..],
+            Some(tile) => &tile.cells,
             None => {
-                self.copy_square(share.plane, [column - share.by_cells[0], row - share.by_cells[1]], copy);
-                copy.as_flattened()
+                self.copy_moved(share.plane, [column - share.by_cells[0], row - share.by_cells[1]], copy);
+                copy
             }
         }
     }
@@ -154,13 +141,12 @@ impl Surroundings<'_> {
         reached.sort_unstable();
         reached.dedup();
         let each = 1.0 / planes.len() as f32;
-        let mut moved = [[0.0; TILE_EDGE]; TILE_EDGE];
+        let mut moved = [0.0; TILE];
         self.rebuilt(&Plane::default(), reached, &mut Spare::default(), |_, [column, row], _, cells| {
-            let cells = cells.as_flattened_mut();
             cells.fill(0.0);
             for Share { plane, by_cells } in planes {
-                self.copy_square(plane, [column - by_cells[0], row - by_cells[1]], &mut moved);
-                cells.iter_mut().zip(moved.as_flattened()).for_each(|(cell, value)| *cell += each * value);
+                self.copy_moved(plane, [column - by_cells[0], row - by_cells[1]], &mut moved);
+                cells.iter_mut().zip(&moved).for_each(|(cell, value)| *cell += each * value);
             }
             true
         })
@@ -173,7 +159,7 @@ impl Surroundings<'_> {
         plane: &Plane,
         reached: Vec<u32>,
         spare: &mut Spare,
-        mut make: impl FnMut(u32, [i64; 2], bool, &mut Square<TILE_EDGE>) -> bool,
+        mut make: impl FnMut(u32, [i64; 2], bool, &mut Cells) -> bool,
     ) -> Arc<Vec<Tile>> {
         let [across, _] = self.grid.tiles_along().map(|count| count as i64);
         let mut made = spare.take();
@@ -181,8 +167,7 @@ impl Surroundings<'_> {
             let ground = self.ground.tile(number)?;
             let corner = [i64::from(number) % across * EDGE, i64::from(number) / across * EDGE];
             let is_awake = plane.tile(number).is_some();
-            let square = Arc::get_mut(&mut made)?.as_chunks_mut().0.try_into().ok()?;
-            if !make(number, corner, is_awake, square) {
+            if !make(number, corner, is_awake, Arc::get_mut(&mut made)?) {
                 return None;
             }
             let mut free = made.iter().zip(&ground.admissible);
@@ -220,62 +205,94 @@ impl Surroundings<'_> {
         cells.iter().fold(false, |any, &cell| any | (cell >= bound))
     }
 
-    /// Writes the cells of a plane in a square whose first column and row are counted from the first tile.
-    fn copy_square<const SIDE: usize>(&self, plane: &Plane, [column, row]: [i64; 2], square: &mut Square<SIDE>) {
-        let [across, up] = self.grid.tiles_along().map(|count| count as i64);
-        let last = SIDE as i64 - 1;
-        let tiles = |first: i64| first.div_euclid(EDGE)..=(first + last).div_euclid(EDGE);
-        // The part of the square in a tile, and where it begins there.
-        let part = |tile: i64, first: i64| {
-            let begin = (tile * EDGE - first).max(0);
-            let end = ((tile + 1) * EDGE - first).min(SIDE as i64);
-            (begin as usize..end as usize, (begin + first - tile * EDGE) as usize)
-        };
-        for tile_row in tiles(row) {
-            let (rows, from_row) = part(tile_row, row);
-            for tile_column in tiles(column) {
-                let (columns, from_column) = part(tile_column, column);
-                let is_inside = (0..up).contains(&tile_row) && (0..across).contains(&tile_column);
-                let number = (tile_row * across + tile_column) as u32;
-                let to = square[rows.clone()].iter_mut().map(|row| &mut row[columns.clone()]);
-                let Some(ground) = self.ground.tile(number).filter(|_| is_inside) else {
-                    to.for_each(|to| to.fill(0.0));
-                    continue;
-                };
-                let beginning = from_row * TILE_EDGE + from_column;
-                match plane.tile(number) {
-                    Some(tile) => {
-                        let rows = tile.cells[beginning..].chunks(TILE_EDGE);
-                        to.zip(rows).for_each(|(to, row)| to.copy_from_slice(&row[..to.len()]));
-                    }
-                    None => {
-                        for (to, row) in to.zip(ground.admissible[beginning..].chunks(TILE_EDGE)) {
-                            to.iter_mut().zip(row).for_each(|(to, admissible)| *to = self.quiet * admissible);
-                        }
-                    }
+    /// Writes the cells of a plane in the square of a tile whose first column and row are counted from the first tile.
+    ///
+    /// The square lies over four tiles of the plane, or fewer. Of two beside each other the one with more columns is
+    /// copied in one run from its first cell to its last, over those of the other, which come after it column by column:
+    /// most squares differ from a tile by a column or two, and to begin a copy anew for each row takes as long as the
+    /// copies.
+    fn copy_moved(&self, plane: &Plane, [column, row]: [i64; 2], cells: &mut Cells) {
+        let [tile_column, tile_row] = [column, row].map(|first| first.div_euclid(EDGE));
+        // Where the square begins in the first tiles, and so many columns and rows are not of them.
+        let [across, up] = [column, row].map(|first| first.rem_euclid(EDGE) as usize);
+        let of_rows = [(tile_row, up, 0, TILE_EDGE - up), (tile_row + 1, 0, TILE_EDGE - up, up)];
+        for (tile_row, from, to, rows) in of_rows.into_iter().filter(|&(.., rows)| rows > 0) {
+            let [from, to] = [from, to].map(|row| row * TILE_EDGE);
+            let cells = &mut cells[to..][..rows * TILE_EDGE];
+            let part = |tile_column: i64| {
+                let Stored { cells, factor } = self.stored(plane, [tile_column, tile_row]);
+                (&cells[from..][..rows * TILE_EDGE], factor)
+            };
+            let (first, next) = (part(tile_column), (across > 0).then(|| part(tile_column + 1)));
+            let columns = TILE_EDGE - across;
+            match next {
+                Some((next, factor)) if across > columns => {
+                    copy_times(&next[..cells.len() - columns], factor, &mut cells[columns..]);
+                    copy_columns(first.0, first.1, cells, [across, 0], columns);
+                }
+                _ => {
+                    copy_times(&first.0[across..], first.1, &mut cells[..rows * TILE_EDGE - across]);
+                    next.into_iter().for_each(|(next, factor)| copy_columns(next, factor, cells, [0, columns], across));
                 }
             }
         }
     }
-}
 
-/// Writes the tile in the middle, spread along x and then along y.
-fn spread_out(
-    wider: &Square<WIDER>,
-    [spread_x, spread_y]: [f32; 2],
-    along_x: &mut [[f32; TILE_EDGE]; WIDER],
-    cells: &mut Square<TILE_EDGE>,
-) {
-    for (out, row) in along_x.iter_mut().zip(wider) {
-        let (left, middle, right) = (&row[..TILE_EDGE], &row[1..=TILE_EDGE], &row[2..]);
-        for (cell, ((left, middle), right)) in out.iter_mut().zip(left.iter().zip(middle).zip(right)) {
-            *cell = (1.0 - 2.0 * spread_x) * middle + spread_x * (left + right);
+    /// Writes the cells of a tile of a plane, which is counted along columns and rows, and those around it.
+    fn copy_wider(&self, plane: &Plane, [tile_column, tile_row]: [i64; 2], wider: &mut Wider) {
+        for (by, from, to, rows) in [(-1, TILE_EDGE - 1, 0, 1), (0, 0, 1, TILE_EDGE), (1, 0, TILE_EDGE + 1, 1)] {
+            let [west, here, east] = [-1, 0, 1].map(|along| self.stored(plane, [tile_column + along, tile_row + by]));
+            let [west_rows, here_rows, east_rows] =
+                [west, here, east].map(|stored| &stored.cells.as_chunks::<TILE_EDGE>().0[from..]);
+            let beside = here_rows.iter().zip(west_rows.iter().zip(east_rows));
+            for ([first, middle @ .., last], (row, (west_row, east_row))) in wider[to..][..rows].iter_mut().zip(beside)
+            {
+                *first = west.factor * west_row[TILE_EDGE - 1];
+                copy_times(row, here.factor, middle);
+                *last = east.factor * east_row[0];
+            }
         }
     }
-    for (out, rows) in cells.iter_mut().zip(along_x.windows(3)) {
-        for (cell, ((below, middle), above)) in out.iter_mut().zip(rows[0].iter().zip(&rows[1]).zip(&rows[2])) {
-            *cell = (1.0 - 2.0 * spread_y) * middle + spread_y * below + spread_y * above;
+
+    /// A tile of a plane, counted along columns and rows, also beyond the map.
+    fn stored<'a>(&'a self, plane: &'a Plane, [column, row]: [i64; 2]) -> Stored<'a> {
+        let [across, up] = self.grid.tiles_along().map(|count| count as i64);
+        let is_inside = (0..up).contains(&row) && (0..across).contains(&column);
+        let number = (row * across + column) as u32;
+        match self.ground.tile(number).filter(|_| is_inside) {
+            Some(ground) => match plane.tile(number) {
+                Some(tile) => Stored { cells: &tile.cells, factor: 1.0 },
+                None => Stored { cells: &ground.admissible, factor: self.quiet },
+            },
+            None => Stored { cells: &NOBODY, factor: 1.0 },
         }
+    }
+}
+
+/// A tile in which nobody can stand.
+static NOBODY: Cells = [0.0; TILE];
+
+/// The cells of a tile as they are stored, each times a factor.
+#[derive(Clone, Copy)]
+struct Stored<'a> {
+    cells: &'a Cells,
+    factor: f32,
+}
+
+fn copy_times(from: &[f32], factor: f32, to: &mut [f32]) {
+    if factor == 1.0 {
+        to.copy_from_slice(from);
+    } else {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = factor * from);
+    }
+}
+
+/// Copies some columns of rows of tiles, from the first one to the second one.
+fn copy_columns(from: &[f32], factor: f32, to: &mut [f32], [first_from, first_to]: [usize; 2], columns: usize) {
+    let (from, to) = (from.as_chunks::<TILE_EDGE>().0, to.as_chunks_mut::<TILE_EDGE>().0);
+    for column in 0..columns {
+        let rows = to.iter_mut().zip(from);
+        rows.for_each(|(to, from)| to[first_to + column] = factor * from[first_from + column]);
     }
 }
 
@@ -355,7 +372,13 @@ mod tests {
     #[test]
     fn tiles_are_moved_spread_and_blended_like_a_plane_of_single_cells_and_wake_where_a_cell_reaches_the_threshold() {
         let (grid, ground) = grid_and_ground();
-        let around = Surroundings { grid: &grid, ground: &ground, quiet: 1e-5, loud: 1e-2 };
+        let around = Surroundings {
+            grid: &grid,
+            ground: &ground,
+            instructions: Instructions::fastest(),
+            quiet: 1e-5,
+            loud: 1e-2,
+        };
         let mut stream = Stream::new(10_320, "tiles");
         // With what others have left in them.
         let mut spare = Spare::default();
@@ -388,7 +411,13 @@ mod tests {
     #[test]
     fn a_blur_keeps_mass_and_mean_and_adds_its_variance() {
         let (grid, ground) = grid_and_ground();
-        let around = Surroundings { grid: &grid, ground: &ground, quiet: 0.0, loud: 1e-9 };
+        let around = Surroundings {
+            grid: &grid,
+            ground: &ground,
+            instructions: Instructions::fastest(),
+            quiet: 0.0,
+            loud: 1e-9,
+        };
         // In the corner of a tile, so that it spreads over four.
         let mut cells = [0.0; TILE_EDGE * TILE_EDGE];
         cells[0] = 1.0;

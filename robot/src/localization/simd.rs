@@ -4,7 +4,7 @@
 #![allow(unsafe_code, reason = "code for instructions that are found at run time can only be called so")]
 
 use super::grid::TILE;
-use super::kernel::{self, Extent, TilePart};
+use super::kernel::{self, Extent, TilePart, Wider};
 use super::lanes::LANES;
 
 #[cfg(target_arch = "x86_64")]
@@ -71,6 +71,32 @@ impl Instructions {
         }
     }
 
+    /// [`kernel::spread`].
+    pub(super) fn spread(self, wider: &Wider, spread: [f32; 2], cells: &mut [f32; TILE]) {
+        match self.0 {
+            Set::Portable => kernel::spread(wider, spread, cells),
+            // SAFETY: the value exists, so the machine has the instructions.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { x86_64::spread_avx2(wider, spread, cells) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => unsafe { x86_64::spread_avx512(wider, spread, cells) },
+        }
+    }
+
+    /// [`kernel::blend`].
+    pub(super) fn blend(self, planes: [&[f32; TILE]; 3], spread: f32, cells: &mut [f32; TILE]) {
+        match self.0 {
+            Set::Portable => kernel::blend(planes, spread, cells),
+            // SAFETY: the value exists, so the machine has the instructions.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { x86_64::blend_avx2(planes, spread, cells) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => unsafe { x86_64::blend_avx512(planes, spread, cells) },
+        }
+    }
+
     /// [`kernel::entropy`].
     pub(super) fn entropy(self, cells: &[f32; TILE], admissible: &[f32; TILE], terms: [f32; 2]) -> f64 {
         match self.0 {
@@ -129,6 +155,35 @@ mod tests {
                     assert!((weight / due - 1.0).abs() < 1e-6, "{name}, every {period}th, {cell}: {weight} for {due}");
                 }
             }
+        }
+    }
+
+    /// Cells of many magnitudes, among them some that are 0.
+    fn cells(seed: u32) -> [f32; TILE] {
+        let mut state = seed;
+        std::array::from_fn(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if state >> 29 == 0 { 0.0 } else { (state >> 8) as f32 * kernel::exp2(-((state % 97) as f32)) }
+        })
+    }
+
+    fn bits(cells: &[f32; TILE]) -> [u32; TILE] {
+        cells.map(f32::to_bits)
+    }
+
+    #[test]
+    fn tiles_are_spread_and_blended_with_the_same_bits_by_all_instructions() {
+        let mut values = [cells(1), cells(2)].into_iter().flatten();
+        let wider: Wider = std::array::from_fn(|_| std::array::from_fn(|_| values.next().unwrap_or(1.0)));
+        let planes = [cells(4), cells(5), cells(6)];
+        let made = |instructions: Instructions| {
+            let mut made = [[0.0; TILE]; 2];
+            instructions.spread(&wider, [0.1, 0.23], &mut made[0]);
+            instructions.blend([&planes[0], &planes[1], &planes[2]], 0.17, &mut made[1]);
+            made.map(|cells| bits(&cells))
+        };
+        for instructions in Instructions::available() {
+            assert!(made(instructions) == made(Instructions::PORTABLE), "{}", instructions.name());
         }
     }
 }

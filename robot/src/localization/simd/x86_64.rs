@@ -1,7 +1,7 @@
 //! The loops with the registers of AVX2 and of AVX-512 VBMI.
 
 use super::super::grid::{BLOCK, TILE};
-use super::super::kernel::{self, Beam, CostSums, Extent, TOGETHER, TilePart};
+use super::super::kernel::{self, Beam, CostSums, Extent, TOGETHER, TilePart, Wider};
 use super::super::lanes::{Float, LANES, Lanes};
 use std::arch::is_x86_feature_detected;
 use std::arch::x86_64::*;
@@ -30,6 +30,26 @@ pub(super) fn entropy_avx2(cells: &[f32; TILE], admissible: &[f32; TILE], terms:
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 pub(super) fn entropy_avx512(cells: &[f32; TILE], admissible: &[f32; TILE], terms: [f32; 2]) -> f64 {
     kernel::entropy(cells, admissible, terms)
+}
+
+#[target_feature(enable = "avx2")]
+pub(super) fn spread_avx2(wider: &Wider, spread: [f32; 2], cells: &mut [f32; TILE]) {
+    kernel::spread(wider, spread, cells);
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+pub(super) fn spread_avx512(wider: &Wider, spread: [f32; 2], cells: &mut [f32; TILE]) {
+    kernel::spread(wider, spread, cells);
+}
+
+#[target_feature(enable = "avx2")]
+pub(super) fn blend_avx2(planes: [&[f32; TILE]; 3], spread: f32, cells: &mut [f32; TILE]) {
+    kernel::blend(planes, spread, cells);
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
+pub(super) fn blend_avx512(planes: [&[f32; TILE]; 3], spread: f32, cells: &mut [f32; TILE]) {
+    kernel::blend(planes, spread, cells);
 }
 
 /// 32 values of a table of 256 at once: sixteen shuffles, each in a sixteenth of the table by
