@@ -30,15 +30,14 @@ pub(super) struct Beam<'a> {
 const SILENT: [u8; 256] = [0; 256];
 
 impl<'a> Beam<'a> {
-    /// Beams as they are looked up, with silent ones behind the last.
-    pub(super) fn together(beams: impl IntoIterator<Item = Self>) -> Vec<[Self; TOGETHER]> {
+    /// Writes beams as they are looked up, with silent ones behind the last.
+    pub(super) fn put_together(beams: impl IntoIterator<Item = Self>, together: &mut Vec<[Self; TOGETHER]>) {
         let mut beams = beams.into_iter();
-        let mut all = Vec::new();
+        together.clear();
         while let Some(first) = beams.next() {
             let silent = Self { expected: first.expected, costs: &SILENT };
-            all.push(std::array::from_fn(|at| if at == 0 { first } else { beams.next().unwrap_or(silent) }));
+            together.push(std::array::from_fn(|at| if at == 0 { first } else { beams.next().unwrap_or(silent) }));
         }
-        all
     }
 }
 
@@ -58,6 +57,8 @@ pub(super) struct TilePart<'a> {
     pub average: f32,
     /// θ.
     pub threshold: f32,
+    /// Cells that are weighed next, to be fetched meanwhile.
+    pub next: Option<&'a [f32; TILE]>,
 }
 
 /// Sum and maximum of some cells.
@@ -100,15 +101,6 @@ pub(super) fn extent(cells: &[f32; TILE]) -> Extent {
     visited.extent()
 }
 
-#[inline(always)]
-fn block_peak<L: Lanes>(cells: &[f32; BLOCK]) -> f32 {
-    let mut peaks = L::all(0.0);
-    for chunk in cells.as_chunks().0 {
-        peaks = L::load(chunk).larger(peaks);
-    }
-    peaks.largest()
-}
-
 /// Smallest value at which an admissible cell is read. No product of such a value, [`LIFT`], a weight
 /// and the share of a blur is a denormal number, which would cost a factor of five in time.
 const FLOOR: f32 = 1e-20;
@@ -127,9 +119,14 @@ const LEAST_LOG2: f32 = -100.0;
 /// the exponent; multiplications and additions only, so that all widths round alike.
 #[inline(always)]
 pub(super) fn exp2<F: Float>(x: F) -> F {
+    exp2_within(x.larger(F::all(LEAST_LOG2)))
+}
+
+/// The same where x is no less.
+#[inline(always)]
+fn exp2_within<F: Float>(x: F) -> F {
     // Added to a float, it leaves the whole part in the lowest bits.
     let whole = F::all(12_582_912.0);
-    let x = x.larger(F::all(LEAST_LOG2));
     let shifted = x.plus(whole);
     let fraction = x.minus(shifted.minus(whole));
     let mut series = F::all(1.326_472_7e-3);
@@ -211,9 +208,17 @@ pub(super) fn weigh<L: Lanes>(
     let admissible = part.admissible.as_chunks::<BLOCK>().0;
     let mut visited = Visited::none();
     let (mut loud, mut count) = ([0; TILE_BLOCKS], 0);
+    let next = part.next.map_or(&[][..], |next| next.as_chunks::<BLOCK>().0);
+    let (zero, nothing) = (L::all(0.0), L::all(-1.0));
+    let (terms, threshold) = ([L::all(factor), L::all(floor)], L::all(part.threshold));
     for (block, (cells, admissible)) in cells.iter_mut().zip(admissible).enumerate() {
-        let peak = block_peak::<L>(cells);
-        if !part.beams.is_empty() && peak > 0.0 && peak * factor + floor >= part.threshold {
+        next.get(block).into_iter().for_each(L::fetch);
+        let mut peaks = zero;
+        for chunk in cells.as_chunks().0 {
+            peaks = L::load(chunk).larger(peaks);
+        }
+        let highest = peaks.times(terms[0]).plus(terms[1]);
+        if !part.beams.is_empty() && zero.if_less(peaks, highest, nothing).reaches(threshold) {
             loud[count] = block;
             count += 1;
             continue;
@@ -231,18 +236,60 @@ pub(super) fn weigh<L: Lanes>(
     let loud = &loud[..count];
     let mut sums = [[0; BLOCK]; TILE_BLOCKS];
     cost_sums(&mut sums, part.beams, loud);
-    let (log2_per_cost, threshold) = (L::all(part.log2_per_cost), L::all(part.threshold * LIFT));
-    for (sums, &block) in sums.iter().zip(loud) {
-        let chunks = cells[block].as_chunks_mut().0.iter_mut().zip(admissible[block].as_chunks().0);
-        for ((cells, admissible), sums) in chunks.zip(sums.as_chunks().0) {
-            let value = read(cells, lifted);
-            let weight = exp2(L::load_whole(sums).times(log2_per_cost));
-            let weighed = value.times(value.if_less(threshold, average, weight)).times(L::load(admissible));
-            *cells = weighed.to_array();
-            visited.add(weighed);
-        }
+    let least_log2 = part.log2_per_cost * (part.beams.len() * TOGETHER * usize::from(u8::MAX)) as f32;
+    let loud = Loud {
+        blocks: loud,
+        sums: &sums,
+        log2_per_cost: L::all(part.log2_per_cost),
+        lifted,
+        average,
+        threshold: L::all(part.threshold * LIFT),
+    };
+    if part.threshold <= 0.0 && floor >= FLOOR && least_log2 >= LEAST_LOG2 {
+        loud.weigh::<false>(cells, admissible, &mut visited);
+    } else {
+        loud.weigh::<true>(cells, admissible, &mut visited);
     }
     visited.extent()
+}
+
+/// The blocks of a tile whose cells are weighed by the scan.
+struct Loud<'a, L> {
+    blocks: &'a [usize],
+    /// What the scan costs in each of them.
+    sums: &'a CostSums,
+    log2_per_cost: L,
+    lifted: [L; 2],
+    average: L,
+    threshold: L,
+}
+
+impl<L: Lanes> Loud<'_, L> {
+    /// Weighs them. Where none of the bounds can be met, as in a belief of which nothing sleeps, nothing is `BOUNDED`: the
+    /// same comes out, and an operation in seven is saved.
+    #[inline(always)]
+    fn weigh<const BOUNDED: bool>(
+        &self,
+        cells: &mut [[f32; BLOCK]],
+        admissible: &[[f32; BLOCK]],
+        visited: &mut Visited<L>,
+    ) {
+        for (sums, &block) in self.sums.iter().zip(self.blocks) {
+            let chunks = cells[block].as_chunks_mut().0.iter_mut().zip(admissible[block].as_chunks().0);
+            for ((cells, admissible), sums) in chunks.zip(sums.as_chunks().0) {
+                let log2 = L::load_whole(sums).times(self.log2_per_cost);
+                let weighed = if BOUNDED {
+                    let value = read(cells, self.lifted);
+                    value.times(value.if_less(self.threshold, self.average, exp2(log2)))
+                } else {
+                    L::load(cells).times(self.lifted[0]).plus(self.lifted[1]).times(exp2_within(log2))
+                };
+                let weighed = weighed.times(L::load(admissible));
+                *cells = weighed.to_array();
+                visited.add(weighed);
+            }
+        }
+    }
 }
 
 /// Edge of a tile and one cell around it.

@@ -1,6 +1,8 @@
 //! Floats computed with one at a time or many at once: what `kernel` writes its loops in. Every
 //! operation rounds in each lane as it does on a single float, whatever registers it runs in.
 
+use super::grid::BLOCK;
+
 /// Floats visited at once: a whole number of the widest registers.
 pub(super) const LANES: usize = 16;
 
@@ -40,8 +42,14 @@ pub(super) trait Lanes: Float {
     /// The largest; none may be NaN.
     fn largest(self) -> f32;
 
+    /// Whether any is at least its bound.
+    fn reaches(self, bound: Self) -> bool;
+
     /// Lane by lane.
     fn to_array(self) -> [f32; LANES];
+
+    /// Has cells brought near that are to be loaded soon, where there is an instruction for it.
+    fn fetch(cells: &[f32; BLOCK]);
 }
 
 impl Float for f32 {
@@ -136,7 +144,15 @@ impl Lanes for [f32; LANES] {
     }
 
     #[inline(always)]
+    fn reaches(self, bound: Self) -> bool {
+        (0..LANES).fold(false, |any, lane| any | (self[lane] >= bound[lane]))
+    }
+
+    #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         self
     }
+
+    #[inline(always)]
+    fn fetch(_: &[f32; BLOCK]) {}
 }

@@ -158,14 +158,17 @@ impl ScanModel {
         let likelihood = self.likelihood_of(weighing);
         let masses = sampled.samples().chunks_exact(self.bearings.beams()).map(|expected| {
             let beam = |&(beam, bin): &(usize, u8)| Beam { expected: &expected[beam], costs: likelihood.costs(bin) };
+            let mut beams = Vec::new();
+            Beam::put_together(readings.iter().map(beam), &mut beams);
             let part = TilePart {
                 cells: &mut ones.clone(),
                 admissible: &ones,
                 terms: [1.0, 0.0],
-                beams: &Beam::together(readings.iter().map(beam)),
+                beams: &beams,
                 log2_per_cost: likelihood.log2_per_cost(weighing.power),
                 average: 1.0,
                 threshold: 0.0,
+                next: None,
             };
             instructions.weigh(part).mass
         });

@@ -124,7 +124,7 @@ mod tests {
         cell * TERMS[0] + TERMS[1]
     }
 
-    fn weighed(instructions: Instructions, cells: &[f32; TILE]) -> [f32; TILE] {
+    fn weighed(instructions: Instructions, cells: &[f32; TILE], log2_per_cost: f32, threshold: f32) -> [f32; TILE] {
         let expected: [u8; TILE] = std::array::from_fn(|cell| (cell * 31 % 256) as u8);
         let costs: [u8; 256] = std::array::from_fn(|bin| (bin % 7) as u8);
         let beams = [[Beam { expected: &expected, costs: &costs }; TOGETHER]; 2];
@@ -134,9 +134,10 @@ mod tests {
             cells: &mut cells,
             terms: TERMS,
             beams: &beams,
-            log2_per_cost: -0.1,
+            log2_per_cost,
             average: AVERAGE,
-            threshold: THRESHOLD,
+            threshold,
+            next: None,
         });
         cells
     }
@@ -147,7 +148,9 @@ mod tests {
             // Blocks wholly below the threshold, wholly above it, and mixed in different ways.
             for period in [1, 2, 3, 5, 64, 100, TILE + 1] {
                 let cells = std::array::from_fn(|cell| if cell % period == 0 { 1e-3 } else { 1e-7 });
-                for (cell, (&before, after)) in cells.iter().zip(weighed(instructions, &cells)).enumerate() {
+                for (cell, (&before, after)) in
+                    cells.iter().zip(weighed(instructions, &cells, -0.1, THRESHOLD)).enumerate()
+                {
                     let weight = f64::from(after) / f64::from(LIFT) / f64::from(value(before));
                     let own = libm::exp2(-0.1 * 8.0 * (cell * 31 % 256 % 7) as f64);
                     let due = if value(before) < THRESHOLD { f64::from(AVERAGE) } else { own };
@@ -169,6 +172,19 @@ mod tests {
 
     fn bits(cells: &[f32; TILE]) -> [u32; TILE] {
         cells.map(f32::to_bits)
+    }
+
+    #[test]
+    fn bounds_that_no_cell_meets_change_no_bit() {
+        // As small as a threshold can be, and none: with it all bounds are looked at.
+        let thresholds = [f32::from_bits(1), 0.0];
+        let due = bits(&weighed(Instructions::PORTABLE, &cells(3), -0.02, thresholds[0]));
+        for instructions in Instructions::available() {
+            for threshold in thresholds {
+                let found = bits(&weighed(instructions, &cells(3), -0.02, threshold));
+                assert!(found == due, "{} {threshold}", instructions.name());
+            }
+        }
     }
 
     #[test]

@@ -74,11 +74,15 @@ impl Evidence<'_> {
         let Some(number) = parts.first().map(|part| part.tile.number) else { return };
         let Some(ground) = self.model.ground.tile(number) else { return };
         let expected = (!self.costs.is_empty()).then(|| self.sensor.expected().tile(number));
-        for Part { tile, directions } in parts {
-            let beams = expected.map_or(Vec::new(), |expected| {
-                let readings = directions.iter().zip(&self.costs);
-                Beam::together(readings.map(|(&direction, costs)| Beam { expected: &expected[direction], costs }))
-            });
+        let mut beams = Vec::new();
+        let mut rest = parts;
+        while let Some((Part { tile, directions }, others)) = rest.split_first_mut() {
+            let next = others.first().map(|part| &*part.tile.cells);
+            if let Some(expected) = expected {
+                let readings = directions.iter().zip(self.costs.iter().copied());
+                let beam = |(&direction, costs)| Beam { expected: &expected[direction], costs };
+                Beam::put_together(readings.map(beam), &mut beams);
+            }
             let extent = self.model.instructions.weigh(TilePart {
                 admissible: &ground.admissible,
                 cells: Arc::make_mut(&mut tile.cells),
@@ -87,8 +91,10 @@ impl Evidence<'_> {
                 log2_per_cost: self.log2_per_cost,
                 average: self.average as f32,
                 threshold: self.model.threshold() as f32,
+                next,
             });
             (tile.mass, tile.peak) = (extent.mass, extent.peak);
+            rest = others;
         }
     }
 }

@@ -106,7 +106,7 @@ fn spread_table(costs: &[u8; 256]) -> [__m256i; 16] {
 
 #[target_feature(enable = "avx2")]
 fn cost_sums_avx2(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize]) {
-    let zero = _mm256_setzero_si256();
+    let once = _mm256_set1_epi8(1);
     for two in beams.as_flattened().as_chunks::<2>().0 {
         let tables = two.map(|beam| spread_table(beam.costs));
         let expected = two.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
@@ -116,8 +116,8 @@ fn cost_sums_avx2(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize
                 let a = look_up_avx2(&tables[0], at(0));
                 let b = look_up_avx2(&tables[1], at(1));
                 // Bytes 0..8 and 16..24 of the registers are in `low`, the others in `high`.
-                let low = _mm256_add_epi16(_mm256_unpacklo_epi8(a, zero), _mm256_unpacklo_epi8(b, zero));
-                let high = _mm256_add_epi16(_mm256_unpackhi_epi8(a, zero), _mm256_unpackhi_epi8(b, zero));
+                let low = _mm256_maddubs_epi16(_mm256_unpacklo_epi8(a, b), once);
+                let high = _mm256_maddubs_epi16(_mm256_unpackhi_epi8(a, b), once);
                 let first = _mm256_permute2x128_si256::<0x20>(low, high);
                 let second = _mm256_permute2x128_si256::<0x31>(low, high);
                 let [head, tail] = sums.as_chunks_mut::<16>().0 else { continue };
@@ -198,11 +198,25 @@ impl Lanes for __m512 {
     }
 
     #[inline(always)]
+    fn reaches(self, bound: Self) -> bool {
+        // SAFETY: as above.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self, bound) != 0 }
+    }
+
+    #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         let mut cells = [0.0; LANES];
         // SAFETY: as above; 64 bytes are there.
         unsafe { _mm512_storeu_ps(cells.as_mut_ptr(), self) };
         cells
+    }
+
+    #[inline(always)]
+    fn fetch(cells: &[f32; BLOCK]) {
+        for line in cells.as_chunks::<LANES>().0 {
+            // SAFETY: the memory is there.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) };
+        }
     }
 }
 
@@ -295,6 +309,24 @@ impl Lanes for [__m256; 2] {
     }
 
     #[inline(always)]
+    fn reaches(self, bound: Self) -> bool {
+        // SAFETY: as above.
+        unsafe {
+            let head = _mm256_cmp_ps::<_CMP_GE_OQ>(self[0], bound[0]);
+            let tail = _mm256_cmp_ps::<_CMP_GE_OQ>(self[1], bound[1]);
+            _mm256_movemask_ps(_mm256_or_ps(head, tail)) != 0
+        }
+    }
+
+    #[inline(always)]
+    fn fetch(cells: &[f32; BLOCK]) {
+        for line in cells.as_chunks::<LANES>().0 {
+            // SAFETY: the memory is there.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) };
+        }
+    }
+
+    #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         let mut cells = [0.0; LANES];
         let (head, tail) = cells.split_at_mut(8);
@@ -345,25 +377,25 @@ fn look_up_avx512(table: &[__m512i; 4], index: __m512i) -> __m512i {
 
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn cost_sums_avx512(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize]) {
-    let zero = _mm512_setzero_si512();
+    let once = _mm512_set1_epi8(1);
     for four in beams {
         let table = |beam: &Beam| -> [__m512i; 4] {
             let quarters = beam.costs.as_chunks::<64>().0;
             [load_512(&quarters[0]), load_512(&quarters[1]), load_512(&quarters[2]), load_512(&quarters[3])]
         };
+        let expected = [four[0].expected, four[1].expected, four[2].expected, four[3].expected];
         let [a, b, c, d] = [table(&four[0]), table(&four[1]), table(&four[2]), table(&four[3])];
-        let expected = four.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
         for (sums, &block) in sums.iter_mut().zip(loud) {
-            let a = look_up_avx512(&a, load_512(&expected[0][block]));
-            let b = look_up_avx512(&b, load_512(&expected[1][block]));
-            let c = look_up_avx512(&c, load_512(&expected[2][block]));
-            let d = look_up_avx512(&d, load_512(&expected[3][block]));
-            let low = |bytes| _mm512_unpacklo_epi8(bytes, zero);
-            let high = |bytes| _mm512_unpackhi_epi8(bytes, zero);
-            let four_of = |a, b, c, d| _mm512_add_epi16(_mm512_add_epi16(a, b), _mm512_add_epi16(c, d));
+            let a = look_up_avx512(&a, load_512(&expected[0].as_chunks().0[block]));
+            let b = look_up_avx512(&b, load_512(&expected[1].as_chunks().0[block]));
+            let c = look_up_avx512(&c, load_512(&expected[2].as_chunks().0[block]));
+            let d = look_up_avx512(&d, load_512(&expected[3].as_chunks().0[block]));
+            // Two bytes side by side, each times one, and their sum in 16 bits.
+            let low = |a, b| _mm512_maddubs_epi16(_mm512_unpacklo_epi8(a, b), once);
+            let high = |a, b| _mm512_maddubs_epi16(_mm512_unpackhi_epi8(a, b), once);
             let [before_low, before_high] = load_halves(sums);
-            let sum_low = _mm512_add_epi16(before_low, four_of(low(a), low(b), low(c), low(d)));
-            let sum_high = _mm512_add_epi16(before_high, four_of(high(a), high(b), high(c), high(d)));
+            let sum_low = _mm512_add_epi16(before_low, _mm512_add_epi16(low(a, b), low(c, d)));
+            let sum_high = _mm512_add_epi16(before_high, _mm512_add_epi16(high(a, b), high(c, d)));
             store_halves(sums, [sum_low, sum_high]);
         }
     }
