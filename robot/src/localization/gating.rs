@@ -1,6 +1,7 @@
 //! Readings that are left out of a scan, because what they measured may be in no map.
 
 use super::belief::Belief;
+use super::expected::{Cones, bin_at};
 use super::model::LocalizationModel;
 use super::scan::ScanModel;
 use super::scan_parameters::ShortReadings;
@@ -152,15 +153,15 @@ fn expected_shares(belief: &Belief, model: &LocalizationModel, sensor: usize, be
         for tile in plane.tiles.iter() {
             let Some(ground) = model.ground.tile(tile.number) else { continue };
             let bins = tables.expected().tile(tile.number);
-            let directions: Vec<usize> = beams.iter().map(|&beam| tables.bearings.direction(heading, beam)).collect();
+            let cones: Vec<Cones> = beams.iter().map(|&beam| tables.cones(heading, beam)).collect();
             for cell in ground.free() {
                 let share = belief.value(tile.cells[cell]);
                 if share <= 0.0 {
                     continue;
                 }
                 let log = share * libm::log(share);
-                for (of_beam, &direction) in expected.iter_mut().zip(&directions) {
-                    let bin = usize::from(bins[direction][cell]);
+                for (of_beam, &cones) in expected.iter_mut().zip(&cones) {
+                    let bin = usize::from(bin_at(bins, cones, cell));
                     of_beam.shares[bin] += share;
                     of_beam.logs[bin] += log;
                 }

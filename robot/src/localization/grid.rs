@@ -10,8 +10,8 @@ pub(super) const BLOCK: usize = 64;
 /// Cells along an edge of a tile.
 pub(super) const TILE_EDGE: usize = 32;
 
-/// Cells of a tile, `[row][column]`, whole blocks; the table of expected distances for one, all directions, is some
-/// 360 kB and fits a second-level cache.
+/// Cells of a tile, `[row][column]`, whole blocks; the table of expected distances for one, all directions, is at
+/// most some 360 kB and fits a second-level cache.
 pub(super) const TILE: usize = TILE_EDGE * TILE_EDGE;
 
 /// Where a cell of a plane is kept.

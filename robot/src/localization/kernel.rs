@@ -20,8 +20,8 @@ pub(super) type CostSums = [[u16; BLOCK]; TILE_BLOCKS];
 /// One reading against one tile of a plane: the bins expected there, and what each costs.
 #[derive(Clone, Copy)]
 pub(super) struct Beam<'a> {
-    /// A tile of expected bins.
-    pub expected: &'a [u8; TILE],
+    /// A tile of expected bins, of each cell the smaller of two.
+    pub expected: [&'a [u8; TILE]; 2],
     /// Costs by expected bin.
     pub costs: &'a [u8; 256],
 }
@@ -168,13 +168,18 @@ pub(super) fn entropy(cells: &[f32; TILE], admissible: &[f32; TILE], [factor, fl
 /// Cells a turn of the portable loop looks up.
 const UNROLLED: usize = 4;
 
+/// Bin by bin.
+fn smaller([one, other]: [&[u8; BLOCK]; 2]) -> [u8; BLOCK] {
+    std::array::from_fn(|lane| one[lane].min(other[lane]))
+}
+
 /// Sums the costs of a scan for the blocks of a tile that are `loud`, in that order.
 pub(super) fn cost_sums(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize]) {
     for four in beams {
         let [a, b, c, d] = four.map(|beam| beam.costs);
-        let expected = four.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
+        let expected = four.map(|beam| beam.expected.map(|bins| bins.as_chunks::<BLOCK>().0));
         for (sums, &block) in sums.iter_mut().zip(loud) {
-            let [at_a, at_b, at_c, at_d] = expected.map(|blocks| &blocks[block]);
+            let [at_a, at_b, at_c, at_d] = expected.map(|of_two| smaller(of_two.map(|blocks| &blocks[block])));
             for first in (0..BLOCK).step_by(UNROLLED) {
                 for lane in first..first + UNROLLED {
                     sums[lane] += u16::from(a[usize::from(at_a[lane])])

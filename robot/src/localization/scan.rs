@@ -1,6 +1,6 @@
 //! What one sensor is expected to measure: its table of distances, and the average weight of a scan.
 
-use super::expected::ExpectedBins;
+use super::expected::{Cones, ExpectedBins, bin_at};
 use super::grid::{Bearings, BeliefGrid, Place, TILE};
 use super::ground::Ground;
 use super::kernel::{Beam, LIFT, TilePart};
@@ -88,9 +88,14 @@ impl ScanModel {
         &self.expected
     }
 
+    /// Where to look for what a beam is expected to measure at a heading.
+    pub(super) fn cones(&self, heading: usize, beam: usize) -> Cones {
+        self.expected.cones(self.bearings.direction(heading, beam))
+    }
+
     /// What a beam is expected to measure at a heading in a cell.
     pub(super) fn expected_bin(&self, heading: usize, Place { tile, cell }: Place, beam: usize) -> u8 {
-        self.expected.tile(tile as u32)[self.bearings.direction(heading, beam)][cell]
+        bin_at(self.expected.tile(tile as u32), self.cones(heading, beam), cell)
     }
 
     /// The noise-free scan at a heading in a cell.
@@ -157,7 +162,8 @@ impl ScanModel {
         let ones = [1.0; TILE];
         let likelihood = self.likelihood_of(weighing);
         let masses = sampled.samples().chunks_exact(self.bearings.beams()).map(|expected| {
-            let beam = |&(beam, bin): &(usize, u8)| Beam { expected: &expected[beam], costs: likelihood.costs(bin) };
+            let beam =
+                |&(beam, bin): &(usize, u8)| Beam { expected: [&expected[beam]; 2], costs: likelihood.costs(bin) };
             let mut beams = Vec::new();
             Beam::put_together(readings.iter().map(beam), &mut beams);
             let part = TilePart {

@@ -125,9 +125,12 @@ mod tests {
     }
 
     fn weighed(instructions: Instructions, cells: &[f32; TILE], log2_per_cost: f32, threshold: f32) -> [f32; TILE] {
-        let expected: [u8; TILE] = std::array::from_fn(|cell| (cell * 31 % 256) as u8);
+        // Here the one and there the other is the smaller.
+        let bin = |cell: usize| (cell * 31 % 256) as u8;
+        let [one, other]: [[u8; TILE]; 2] =
+            [0, 1].map(|odd| std::array::from_fn(|cell| if cell % 2 == odd { bin(cell) } else { u8::MAX }));
         let costs: [u8; 256] = std::array::from_fn(|bin| (bin % 7) as u8);
-        let beams = [[Beam { expected: &expected, costs: &costs }; TOGETHER]; 2];
+        let beams = [[Beam { expected: [&one, &other], costs: &costs }; TOGETHER]; 2];
         let mut cells = *cells;
         instructions.weigh(TilePart {
             admissible: &[1.0; TILE],

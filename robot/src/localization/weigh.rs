@@ -1,5 +1,6 @@
 //! Eq. (2) for all tiles that are awake: the loop that takes nearly all the time.
 
+use super::expected::Cones;
 use super::kernel::{Beam, TilePart};
 use super::model::LocalizationModel;
 use super::plane::Plane;
@@ -30,7 +31,7 @@ struct Evidence<'m> {
 struct Part<'p> {
     tile: &'p mut Tile,
     /// Where each reading looks into the table of expected distances.
-    directions: Arc<[usize]>,
+    cones: Arc<[Cones]>,
 }
 
 /// Multiplies the tiles that are awake by the weights of a scan of a sensor, bringing in factor and floor, and
@@ -54,9 +55,8 @@ pub(super) fn weigh_planes(
     let evidence = Evidence { model, sensor, costs, log2_per_cost, terms, average };
     let mut parts: Vec<Part> = Vec::new();
     for (heading, plane) in planes.iter_mut().enumerate().filter(|(_, plane)| plane.is_active()) {
-        let directions: Arc<[usize]> =
-            readings.iter().map(|&(beam, _)| sensor.bearings.direction(heading, beam)).collect();
-        parts.extend(plane.tiles_mut().iter_mut().map(|tile| Part { tile, directions: directions.clone() }));
+        let cones: Arc<[Cones]> = readings.iter().map(|&(beam, _)| sensor.cones(heading, beam)).collect();
+        parts.extend(plane.tiles_mut().iter_mut().map(|tile| Part { tile, cones: cones.clone() }));
     }
     parts.sort_by_key(|part| part.tile.number);
     let is_of_same = |one: &Part, next: &Part| one.tile.number == next.tile.number;
@@ -76,11 +76,11 @@ impl Evidence<'_> {
         let expected = (!self.costs.is_empty()).then(|| self.sensor.expected().tile(number));
         let mut beams = Vec::new();
         let mut rest = parts;
-        while let Some((Part { tile, directions }, others)) = rest.split_first_mut() {
+        while let Some((Part { tile, cones }, others)) = rest.split_first_mut() {
             let next = others.first().map(|part| &*part.tile.cells);
             if let Some(expected) = expected {
-                let readings = directions.iter().zip(self.costs.iter().copied());
-                let beam = |(&direction, costs)| Beam { expected: &expected[direction], costs };
+                let readings = cones.iter().zip(self.costs.iter().copied());
+                let beam = |(cones, costs): (&Cones, _)| Beam { expected: cones.map(|cone| &expected[cone]), costs };
                 Beam::put_together(readings.map(beam), &mut beams);
             }
             let extent = self.model.instructions.weigh(TilePart {

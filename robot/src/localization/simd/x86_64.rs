@@ -109,10 +109,13 @@ fn cost_sums_avx2(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usize
     let once = _mm256_set1_epi8(1);
     for two in beams.as_flattened().as_chunks::<2>().0 {
         let tables = two.map(|beam| spread_table(beam.costs));
-        let expected = two.map(|beam| beam.expected.as_chunks::<BLOCK>().0);
+        let expected = two.map(|beam| beam.expected.map(|bins| bins.as_chunks::<BLOCK>().0));
         for (sums, &block) in sums.iter_mut().zip(loud) {
             for (half, sums) in sums.as_chunks_mut::<32>().0.iter_mut().enumerate() {
-                let at = |beam: usize| load_256(&expected[beam][block].as_chunks::<32>().0[half]);
+                let at = |beam: usize| {
+                    let [one, other] = expected[beam].map(|blocks| load_256(&blocks[block].as_chunks::<32>().0[half]));
+                    _mm256_min_epu8(one, other)
+                };
                 let a = look_up_avx2(&tables[0], at(0));
                 let b = look_up_avx2(&tables[1], at(1));
                 // Bytes 0..8 and 16..24 of the registers are in `low`, the others in `high`.
@@ -386,10 +389,14 @@ fn cost_sums_avx512(sums: &mut CostSums, beams: &[[Beam; TOGETHER]], loud: &[usi
         let expected = [four[0].expected, four[1].expected, four[2].expected, four[3].expected];
         let [a, b, c, d] = [table(&four[0]), table(&four[1]), table(&four[2]), table(&four[3])];
         for (sums, &block) in sums.iter_mut().zip(loud) {
-            let a = look_up_avx512(&a, load_512(&expected[0].as_chunks().0[block]));
-            let b = look_up_avx512(&b, load_512(&expected[1].as_chunks().0[block]));
-            let c = look_up_avx512(&c, load_512(&expected[2].as_chunks().0[block]));
-            let d = look_up_avx512(&d, load_512(&expected[3].as_chunks().0[block]));
+            let at = |beam: usize| {
+                let [one, other] = expected[beam].map(|bins| load_512(&bins.as_chunks().0[block]));
+                _mm512_min_epu8(one, other)
+            };
+            let a = look_up_avx512(&a, at(0));
+            let b = look_up_avx512(&b, at(1));
+            let c = look_up_avx512(&c, at(2));
+            let d = look_up_avx512(&d, at(3));
             // Two bytes side by side, each times one, and their sum in 16 bits.
             let low = |a, b| _mm512_maddubs_epi16(_mm512_unpacklo_epi8(a, b), once);
             let high = |a, b| _mm512_maddubs_epi16(_mm512_unpackhi_epi8(a, b), once);
