@@ -553,7 +553,8 @@ impl Belief {
     /// How many states are worth at least so much.
     pub(super) fn states_above(&self, bound: f64) -> usize {
         let above = |cell: &&f32| self.value(**cell) >= bound;
-        self.tiles().map(|tile| tile.cells.iter().filter(above).count()).sum()
+        let tiles = self.tiles().filter(|tile| self.value(tile.peak) >= bound);
+        tiles.map(|tile| tile.cells.iter().filter(above).count()).sum()
     }
 
     /// How much of the belief sleeps.
