@@ -10,7 +10,7 @@ use super::plane::Plane;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::tile::Tile;
-use super::weigh::{TILES_FOR_THREADS, weigh_planes};
+use super::weigh::{Stored, TILES_FOR_THREADS, weigh_planes};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,8 @@ pub struct Belief {
     pub(super) floor: f64,
     /// Probability of each cell that sleeps.
     pub(super) asleep: f64,
+    /// θ of Beetz et al. Eq. (3), as a probability.
+    threshold: f64,
     /// Rotation that is not yet applied, in angle steps, at most one half.
     pub(super) heading_offset: f64,
     /// Variance of the rotation that is not yet applied, in squared angle steps.
@@ -67,6 +69,7 @@ impl Belief {
             factor: 1.0,
             floor: 0.0,
             asleep: 0.0,
+            threshold: model.threshold(),
             heading_offset: 0.0,
             heading_variance: 0.0,
         }
@@ -384,7 +387,7 @@ impl Belief {
             ground: &model.ground,
             instructions: model.instructions,
             quiet: stored(self.asleep),
-            loud: stored(model.threshold()),
+            loud: stored(self.threshold),
         }
     }
 
@@ -453,8 +456,8 @@ impl Belief {
         mixed: f64,
     ) -> f64 {
         let average = if readings.is_empty() { 1.0 } else { model.average_weight(sensor, readings, weighing) };
-        let terms = self.terms();
-        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, weighing, terms, average);
+        let stored = Stored { terms: self.terms(), average, threshold: self.threshold };
+        weigh_planes(&mut self.planes, model, &model.sensors[sensor], readings, weighing, stored);
         self.weighed(model, average, f64::from(LIFT), mixed)
     }
 
@@ -500,14 +503,19 @@ impl Belief {
         self.put_to_sleep(model);
     }
 
+    /// Changes θ; what is to sleep or to wake by it does with the next scan.
+    pub(super) fn sleep_below(&mut self, threshold: f64) {
+        self.threshold = threshold;
+    }
+
     /// Whether what sleeps is worth θ, and is to be looked at somehow.
     pub(super) fn is_adrift(&self, model: &LocalizationModel) -> bool {
-        model.sleeps() && self.asleep >= model.threshold()
+        model.sleeps() && self.asleep >= self.threshold
     }
 
     /// Brings back every tile in which somebody can stand, if what sleeps is worth θ and nobody else looks at it.
     fn wake_what_must(&mut self, model: &LocalizationModel) {
-        if self.asleep < model.threshold() || model.watch.is_some() && model.sleeps() {
+        if self.asleep < self.threshold || model.watch.is_some() && model.sleeps() {
             return;
         }
         let quiet = self.surroundings(model).quiet;
@@ -564,7 +572,7 @@ impl Belief {
 
     /// Puts tiles whose cells are all below θ together with what sleeps.
     fn put_to_sleep(&mut self, model: &LocalizationModel) {
-        let is_quiet = |tile: &Tile| self.value(tile.peak) < model.threshold();
+        let is_quiet = |tile: &Tile| self.value(tile.peak) < self.threshold;
         let quiet: Vec<&Tile> = self.tiles().filter(|tile| is_quiet(tile)).collect();
         if quiet.is_empty() {
             return;
@@ -574,7 +582,7 @@ impl Belief {
             quiet.iter().filter_map(|tile| model.ground.tile(tile.number)).map(|ground| ground.cells).sum();
         let mass: f64 = quiet.iter().map(|tile| self.mass_of(model, tile)).sum();
         self.asleep = (self.asleep * before + mass) / (before + cells as f64);
-        let (factor, floor, threshold) = (self.factor, self.floor, model.threshold());
+        let (factor, floor, threshold) = (self.factor, self.floor, self.threshold);
         let stays = |tile: &Tile| factor * f64::from(tile.peak) + floor >= threshold;
         for plane in self.planes.iter_mut().filter(|plane| !plane.tiles.iter().all(stays)) {
             plane.tiles_mut().retain(stays);

@@ -15,6 +15,14 @@ use serde::{Deserialize, Serialize};
 /// one at each update: beams far apart in turn, whose evidence overlaps less.
 const WATCH_BEAM_STRIDE: u64 = 3;
 
+/// θ of a coarse belief that has to find the robot, as a multiple of the share that mixing adds to each cell at every
+/// update. What sleeps comes to be worth that, and all of it wakes, once scans fit what is awake less than twice as well
+/// as the average state. It holds from when the belief leads until it falls asleep as a whole.
+///
+/// Of one that was woken to watch nothing sleeps: a wrong pose that fits nearly as well as the right one is found out by
+/// what each pose has gathered scan by scan, which an average hides.
+const LED_ACTIVITY: f64 = 2.0;
+
 /// With more of the fine belief asleep than this, it knows too little to lead.
 const MOST_ASLEEP: f64 = 0.5;
 
@@ -237,6 +245,9 @@ impl Beliefs {
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);
             (self.mode, self.agreed) = (coarse.mode(coarse_model), 1.0);
+            let activity = f64::min(LED_ACTIVITY * watch.mixing, model.parameters.activity_threshold);
+            let threshold = activity * coarse_model.prior();
+            watcher.belief_mut().into_iter().for_each(|coarse| coarse.sleep_below(threshold));
         } else {
             self.fine = Belief::resampled(model, coarse, coarse_model);
             self.mode = self.fine.mode(model);

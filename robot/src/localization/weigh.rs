@@ -13,6 +13,17 @@ use std::sync::Arc;
 /// as they save.
 pub(super) const TILES_FOR_THREADS: usize = 1024;
 
+/// How the cells that are awake are stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stored {
+    /// Factor and floor by which they are read.
+    pub terms: [f32; 2],
+    /// What those below θ are multiplied by: the average weight of the scan.
+    pub average: f64,
+    /// θ.
+    pub threshold: f64,
+}
+
 /// A scan to be weighed.
 struct Evidence<'m> {
     model: &'m LocalizationModel,
@@ -21,10 +32,7 @@ struct Evidence<'m> {
     costs: Vec<&'m [u8; 256]>,
     /// Binary logarithm of the weight a unit of cost amounts to.
     log2_per_cost: f32,
-    /// Factor and floor by which cells are read.
-    terms: [f32; 2],
-    /// The average weight of such a scan.
-    average: f64,
+    stored: Stored,
 }
 
 /// A tile of one plane.
@@ -46,13 +54,12 @@ pub(super) fn weigh_planes(
     sensor: &ScanModel,
     readings: &[(usize, u8)],
     weighing: Weighing,
-    terms: [f32; 2],
-    average: f64,
+    stored: Stored,
 ) {
     let likelihood = sensor.likelihood_of(weighing);
     let costs = readings.iter().map(|&(_, bin)| likelihood.costs(bin)).collect();
     let log2_per_cost = likelihood.log2_per_cost(weighing.power);
-    let evidence = Evidence { model, sensor, costs, log2_per_cost, terms, average };
+    let evidence = Evidence { model, sensor, costs, log2_per_cost, stored };
     let mut parts: Vec<Part> = Vec::new();
     for (heading, plane) in planes.iter_mut().enumerate().filter(|(_, plane)| plane.is_active()) {
         let cones: Arc<[Cones]> = readings.iter().map(|&(beam, _)| sensor.cones(heading, beam)).collect();
@@ -86,11 +93,11 @@ impl Evidence<'_> {
             let extent = self.model.instructions.weigh(TilePart {
                 admissible: &ground.admissible,
                 cells: Arc::make_mut(&mut tile.cells),
-                terms: self.terms,
+                terms: self.stored.terms,
                 beams: &beams,
                 log2_per_cost: self.log2_per_cost,
-                average: self.average as f32,
-                threshold: self.model.threshold() as f32,
+                average: self.stored.average as f32,
+                threshold: self.stored.threshold as f32,
                 next,
             });
             (tile.mass, tile.peak) = (extent.mass, extent.peak);

@@ -89,3 +89,33 @@ fn a_coarse_belief_that_wakes_has_its_cells_where_mirror_poses_fall_on_mirror_ce
     assert!(belief.planes().iter().all(|plane| plane.offset_cells.iter().all(|cells| cells.abs() < 1e-9)));
     assert!(belief.mass_within(coarse, Pose::new(2.11, 1.93, 0.37), 1.2, 40f64.to_radians()) > 0.99);
 }
+
+#[test]
+fn a_coarse_belief_that_leads_looks_at_what_may_be_true_and_at_everything_once_that_fits_badly() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let all = coarse.ground.numbers().len() * coarse.grid.headings;
+    let mut belief = Belief::uniform(coarse);
+    belief.sleep_below(2.0 * coarse.parameters.mixing * coarse.prior());
+    assert_eq!(belief.tiles().count(), all);
+    let (mut before, mut most, mut truth_in_map) = (Pose::default(), 0, Pose::new(2.0, 2.0, 0.0));
+    for (step, (odometry, _)) in drive(coarse, 10_001, 60).into_iter().enumerate() {
+        let motion = odometry.relative_to(before);
+        (before, truth_in_map) = (odometry, truth_in_map.compose(motion));
+        if step == 40 {
+            assert!(belief.tiles().count() * 2 < all, "{} of {all} when it is found", belief.tiles().count());
+            truth_in_map = truth_in_map.compose(Pose::new(0.0, 0.0, PI));
+            most = 0;
+        }
+        belief.advance(coarse, motion);
+        belief.sense_ranges(coarse, &[Some(&scan_at(coarse, truth_in_map))]);
+        most = most.max(belief.tiles().count());
+    }
+    assert_eq!(most, all, "all wakes when it is turned by hand");
+    assert!(belief.tiles().count() * 2 < all, "{} of {all} when it is found again", belief.tiles().count());
+    let share = belief.mass_within(coarse, truth_in_map, 1.2, 40f64.to_radians());
+    assert!(share > 0.95, "{share}");
+    belief.sleep_below(0.0);
+    belief.sense(coarse, &[]);
+    assert_eq!(belief.tiles().count(), all, "nothing sleeps while it watches");
+}
