@@ -17,6 +17,7 @@ use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 use rpl_rupart::RupartSettings;
 use std::path::Path;
+use std::{env, thread};
 
 /// Arguments that say where a plan runs.
 #[derive(clap::Args, Clone, Debug)]
@@ -134,11 +135,23 @@ impl SiteArguments {
             GridArgument::Coarse => usual.localization.coarsened(),
         };
         let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
+        compute_along();
         let site = sites::build(
             Setup { world: Some(world.clone()), settings, memory_gib: self.memory, rupart, ..Setup::default() },
             scenario,
             sources,
         )?;
         Ok((site, Some(world), modules, cases))
+    }
+}
+
+/// Makes this thread one of those that compute what is shared out. Otherwise it would wait for as many others, and they
+/// could not use the memory it has given back to the allocator, which is much where the map is large.
+fn compute_along() {
+    // One that is alone would be waited for by all others, and who says how many there are to be has them as usual.
+    let are_several = thread::available_parallelism().is_ok_and(|threads| threads.get() > 1);
+    if are_several && env::var_os("RAYON_NUM_THREADS").is_none() {
+        // An error tells that there are threads already.
+        let _ = rayon::ThreadPoolBuilder::new().use_current_thread().build_global();
     }
 }
