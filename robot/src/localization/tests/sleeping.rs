@@ -10,6 +10,7 @@ fn a_selective_update_stays_close_to_the_full_one() {
     let (mut before, mut slept) = (Pose::default(), 0);
     for (odometry, scan_m) in drive(&selective, 10_001, 60) {
         let mut other = belief.clone();
+        other.sleep_below(0.0);
         other.mix(&full, 0.0);
         for (model, belief) in [(&selective, &mut belief), (&full, &mut other)] {
             belief.advance(model, odometry.relative_to(before));
