@@ -289,8 +289,10 @@ fn selective(report: &Report, full: &LocalizationModel) {
     let what = "the same: total variation to the full update of a step, the largest of 20 steps";
     report.row(Question::new("variation", what, "", 1e-3, "not said in the paper"), || {
         let (mut belief, mut always) = (tracked(), tracked());
+        always.sleep_below(0.0);
         for (motion, scan) in steps.iter().take(20) {
             let mut other = belief.clone();
+            other.sleep_below(0.0);
             other.mix(full, 0.0);
             for (model, belief) in [(&selective, &mut belief), (full, &mut other), (full, &mut always)] {
                 belief.advance(model, *motion);

@@ -503,8 +503,9 @@ impl Belief {
         self.put_to_sleep(model);
     }
 
-    /// Changes θ; what is to sleep or to wake by it does with the next scan.
-    pub(super) fn sleep_below(&mut self, threshold: f64) {
+    /// Changes θ, a probability, from that of the model it was made for; what is to sleep or to wake by it does when the
+    /// belief is next updated by a scan or mixed. With 0 nothing sleeps.
+    pub fn sleep_below(&mut self, threshold: f64) {
         self.threshold = threshold;
     }
 
