@@ -71,6 +71,10 @@ impl Heap {
     #[inline]
     pub(crate) fn set_atom_entry(&mut self, table: &Value, of: &Value, value: &Value) -> bool {
         let (&Value::Table(table), false) = (table, has_parts(of)) else { return false };
+        if let Some(entry) = self.tables[table].last_mut(of) {
+            entry.value.set(value);
+            return true;
+        }
         let hash = kept_atom_hash(&mut self.strings, of);
         if self.tables[table].set_atom(&self.strings, of, hash, value) {
             self.allocated += entry_bytes(None);

@@ -73,6 +73,9 @@ pub struct Table {
     entries: Vec<Entry>,
     /// Where entries stand, by their hash.
     index: HashTable<u32>,
+    /// Where the entry stood that an instruction found last: the next one often assigns what this one has read. Only a
+    /// guess, and no part of the state.
+    last: u32,
 }
 
 impl Table {
@@ -96,16 +99,30 @@ impl Table {
         self.index.find(key.hash, is_there).map(|&place| place as usize)
     }
 
+    /// The entry that was found last, if it is that of a key: the same integer, or the same string and not only an equal one.
+    #[inline]
+    pub(super) fn last_mut(&mut self, of: &Value) -> Option<&mut Entry> {
+        let entry = self.entries.get_mut(self.last as usize)?;
+        let is_same = match (&entry.key, of) {
+            (Value::Int(own), Value::Int(of)) => own == of,
+            (Value::Str(own), Value::Str(of)) => own == of,
+            _ => false,
+        };
+        is_same.then_some(entry)
+    }
+
     /// The value of a key without parts.
     #[inline]
-    pub(super) fn atom(&self, strings: &Strings, of: &Value, hash: u64) -> Option<&Value> {
+    pub(super) fn atom(&mut self, strings: &Strings, of: &Value, hash: u64) -> Option<&Value> {
         let entries = &self.entries;
         // In each of the two the comparison is seen by the compiler.
         let found = match *of {
             Value::Int(of) => self.index.find(hash, |&place| entries[place as usize].is_of_int(of)),
             _ => self.index.find(hash, |&place| are_equal_atoms(strings, &entries[place as usize].key, of)),
         };
-        found.map(|&place| &entries[place as usize].value)
+        let place = *found?;
+        self.last = place;
+        Some(&entries[place as usize].value)
     }
 
     /// Sets the value of a key without parts; tells whether that is a new entry.
@@ -201,6 +218,6 @@ impl<'de> Deserialize<'de> for Table {
         for (place, entry) in entries.iter().enumerate() {
             index.insert_unique(entry.hash, place as u32, |&place| entries[place as usize].hash);
         }
-        Ok(Self { entries, index })
+        Ok(Self { entries, index, last: 0 })
     }
 }
