@@ -54,6 +54,20 @@ pub enum Op {
     AddProduct(Reg, Reg, Reg, Reg),
     /// `r0 := r1 − r2 · r3` in the same way
     SubProduct(Reg, Reg, Reg, Reg),
+    /// return `r0 + r1`, if both are floats or integers; else go on with the sum and the return that follow, which know more
+    ReturnAdd(Reg, Reg),
+    /// return `r0 + integer` in the same way
+    ReturnAddInt(Reg, i16),
+    /// return `r0 − r1` in the same way
+    ReturnSub(Reg, Reg),
+    /// return `r0 · r1` in the same way
+    ReturnMul(Reg, Reg),
+    /// return `r0 < r1` in the same way
+    ReturnLess(Reg, Reg),
+    /// return `r0 ≤ r1` in the same way
+    ReturnLessEq(Reg, Reg),
+    /// return `r0 = r1` in the same way
+    ReturnNumEq(Reg, Reg),
     /// `r0 := r1 < r2`
     Less(Reg, Reg, Reg),
     /// `r0 := r1 ≤ r2`

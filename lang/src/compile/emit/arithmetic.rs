@@ -5,34 +5,43 @@ use crate::code::{CodeKind, Op, Reg};
 use crate::compile::ir::{Binary, Ir, IrKind};
 
 impl Emitter<'_, '_> {
-    pub(super) fn binary(&mut self, operation: Binary, left: &Ir, right: &Ir, into: Reg) {
+    /// Emits an operation; in tail position with an instruction before it that returns its value at once.
+    pub(super) fn binary(&mut self, operation: Binary, left: &Ir, right: &Ir, into: Reg, tail: bool) {
         let immediate = |ir: &Ir| match ir.kind {
             IrKind::Int(value) => i16::try_from(value).ok().filter(|value| *value != i16::MIN),
             _ => None,
         };
-        match (operation, immediate(left), immediate(right)) {
-            (Binary::Add, _, Some(value)) => {
-                let left = self.operand(left, &[]);
-                self.push(Op::AddInt(into, left, value));
-                return;
+        let sum = match (operation, immediate(left), immediate(right)) {
+            (Binary::Add, _, Some(value)) => Some((left, value)),
+            (Binary::Add, Some(value), _) => Some((right, value)),
+            (Binary::Sub, _, Some(value)) => Some((left, -value)),
+            _ => None,
+        };
+        if let Some((other, value)) = sum {
+            let other = self.operand(other, &[]);
+            if self.is_end(tail) {
+                self.push(Op::ReturnAddInt(other, value));
             }
-            (Binary::Add, Some(value), _) => {
-                let right = self.operand(right, &[]);
-                self.push(Op::AddInt(into, right, value));
-                return;
-            }
-            (Binary::Sub, _, Some(value)) => {
-                let left = self.operand(left, &[]);
-                self.push(Op::AddInt(into, left, -value));
-                return;
-            }
-            _ => {}
+            self.push(Op::AddInt(into, other, value));
+            return;
         }
         if self.with_product(operation, left, right, into) {
             return;
         }
         let left_reg = self.operand(left, &[right]);
         let right_reg = self.operand(right, &[]);
+        let returning = match operation {
+            Binary::Add => Some(Op::ReturnAdd(left_reg, right_reg)),
+            Binary::Sub => Some(Op::ReturnSub(left_reg, right_reg)),
+            Binary::Mul => Some(Op::ReturnMul(left_reg, right_reg)),
+            Binary::Less => Some(Op::ReturnLess(left_reg, right_reg)),
+            Binary::LessEq => Some(Op::ReturnLessEq(left_reg, right_reg)),
+            Binary::NumEq => Some(Op::ReturnNumEq(left_reg, right_reg)),
+            _ => None,
+        };
+        if let Some(op) = returning.filter(|_| self.is_end(tail)) {
+            self.push(op);
+        }
         self.push(match operation {
             Binary::Add => Op::Add(into, left_reg, right_reg),
             Binary::Sub => Op::Sub(into, left_reg, right_reg),

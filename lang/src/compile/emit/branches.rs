@@ -198,7 +198,7 @@ impl Emitter<'_, '_> {
     }
 
     /// Whether a form in tail position can return by itself: networks stay as plain as they are.
-    fn is_end(&self, tail: bool) -> bool {
+    pub(super) fn is_end(&self, tail: bool) -> bool {
         tail && self.kind != CodeKind::Network
     }
 

@@ -41,7 +41,7 @@ impl Emitter<'_, '_> {
                 self.push(Op::Closure(into, code));
             }
             IrKind::Call(callee, arguments) => self.call(callee, arguments, into, tail),
-            IrKind::Binary(operation, left, right) => self.binary(*operation, left, right, into),
+            IrKind::Binary(operation, left, right) => self.binary(*operation, left, right, into, tail),
             IrKind::Unary(operation, operand) => {
                 let operand = self.operand(operand, &[]);
                 self.push(match operation {

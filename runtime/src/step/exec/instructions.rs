@@ -138,15 +138,13 @@ impl Machine {
             // What the loop below hands over, or cannot do, leaves it here: how to go on is decided in one place.
             let mut op = fetch!();
             let next = 'handed: loop {
-                // Goes on with the next instruction. Arms end in what the compiler cannot see through, so that it does not
-                // merge what is common to their ends: that would cost each instruction two jumps more.
+                // Goes on with the next instruction.
                 macro_rules! next {
                     () => {{
                         if STEPPING {
                             continue 'frame;
                         }
                         op = fetch!();
-                        std::hint::black_box(());
                         continue;
                     }};
                 }
@@ -270,25 +268,46 @@ impl Machine {
                         }
                     }};
                 }
-                macro_rules! call_value {
-                    ($first:expr, $callee:expr, $count:expr, $is_tail:literal) => {{
-                        burn!();
-                        let function = &r!($callee);
-                        let first = usize::from($first);
-                        let known = match *function {
-                            Value::Function(number) => Some((number, &[][..])),
-                            Value::Closure(index) => {
-                                let closure = &self.heap.closures[index];
-                                Some((closure.code, &*closure.captured))
-                            }
-                            _ => None,
-                        };
-                        if let Some((number, captured)) = known
-                            && let callee = &*program.codes[number as usize]
-                            && callee.exact_count == u16::from($count)
-                            && self.scratch.frames.len() < few_frames
+                // Leaves the frame with a value, if there is one and a frame behind; if not, the two instructions behind it do so.
+                macro_rules! return_at_once {
+                    ($value:expr) => {{
+                        if !STEPPING
+                            && self.scratch.frames.len() > entry
+                            && let Some(value) = $value
+                            && let Some(frame) = self.scratch.frames.pop()
                         {
-                            let count = usize::from($count);
+                            r!(0) = value;
+                            resume!(frame);
+                            enter!();
+                        }
+                        next!();
+                    }};
+                }
+                macro_rules! return_result {
+                    ($x:expr, $y:expr, $checked:ident, $operator:tt) => {
+                        match (&r!($x), &r!($y)) {
+                            (&Value::Int(x), &Value::Int(y)) => return_at_once!(x.$checked(y).map(Value::Int)),
+                            (&Value::Float(x), &Value::Float(y)) => return_at_once!(Some(Value::Float(x $operator y))),
+                            _ => next!(),
+                        }
+                    };
+                }
+                macro_rules! return_order {
+                    ($x:expr, $y:expr, $operator:tt) => {
+                        match (&r!($x), &r!($y)) {
+                            (Value::Int(x), Value::Int(y)) => return_at_once!(Some(Value::truth(x $operator y))),
+                            (Value::Float(x), Value::Float(y)) => return_at_once!(Some(Value::truth(x $operator y))),
+                            _ => next!(),
+                        }
+                    };
+                }
+                // Enters a function with what it has captured, if nothing stands against it.
+                macro_rules! enter_value {
+                    ($first:expr, $count:expr, $number:expr, $captured:expr, $is_tail:literal) => {{
+                        let (number, captured) = ($number, $captured);
+                        let callee = &*program.codes[number as usize];
+                        if callee.exact_count == u16::from($count) && self.scratch.frames.len() < few_frames {
+                            let (first, count) = (usize::from($first), usize::from($count));
                             let start = if $is_tail && callee.kind != CodeKind::Plan {
                                 r.copy_within(first..first + count, 0);
                                 0
@@ -300,6 +319,20 @@ impl Machine {
                             clear!(callee, start, count + captured.len());
                             begin!(callee, number, base + start);
                             enter!();
+                        }
+                    }};
+                }
+                macro_rules! call_value {
+                    ($first:expr, $callee:expr, $count:expr, $is_tail:literal) => {{
+                        burn!();
+                        let function = &r!($callee);
+                        match *function {
+                            Value::Function(number) => enter_value!($first, $count, number, &[][..], $is_tail),
+                            Value::Closure(index) => {
+                                let closure = &self.heap.closures[index];
+                                enter_value!($first, $count, closure.code, &*closure.captured, $is_tail);
+                            }
+                            _ => {}
                         }
                         let function = *function;
                         hand_over!(self.call_any(around, place, function, $first, $count, $is_tail))
@@ -362,6 +395,16 @@ impl Machine {
                     Op::Mul(a, b, c) => arithmetic!(self, r!(a), r!(b), r!(c), "*", checked_mul, *),
                     Op::AddProduct(a, b, c, d) => with_product!(a, b, c, d, checked_add, +),
                     Op::SubProduct(a, b, c, d) => with_product!(a, b, c, d, checked_sub, -),
+                    Op::ReturnAdd(x, y) => return_result!(x, y, checked_add, +),
+                    Op::ReturnSub(x, y) => return_result!(x, y, checked_sub, -),
+                    Op::ReturnMul(x, y) => return_result!(x, y, checked_mul, *),
+                    Op::ReturnAddInt(x, value) => match &r!(x) {
+                        Value::Int(x) => return_at_once!(x.checked_add(i64::from(value)).map(Value::Int)),
+                        _ => next!(),
+                    },
+                    Op::ReturnLess(x, y) => return_order!(x, y, <),
+                    Op::ReturnLessEq(x, y) => return_order!(x, y, <=),
+                    Op::ReturnNumEq(x, y) => return_order!(x, y, ==),
                     Op::Div(a, b, c) => match (&r!(b), &r!(c)) {
                         (&Value::Float(x), &Value::Float(y)) if y != 0.0 => {
                             r!(a) = Value::Float(x / y);
