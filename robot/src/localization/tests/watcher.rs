@@ -119,3 +119,30 @@ fn a_coarse_belief_that_leads_looks_at_what_may_be_true_and_at_everything_once_t
     belief.sense(coarse, &[]);
     assert_eq!(belief.tiles().count(), all, "nothing sleeps while it watches");
 }
+
+#[test]
+fn what_cannot_be_true_sleeps_in_the_coarse_belief_while_it_leads() {
+    let (columns, rows) = (240, 160);
+    let mut hall = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, columns, rows, Cell::Free);
+    for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+        let wall = row == 0 || row == rows - 1 || column == 0 || column == columns - 1;
+        let shelf = (100..160).contains(&column) && (40..48).contains(&row) || column < 30 && (90..150).contains(&row);
+        if wall || shelf {
+            hall.set(column, row, Cell::Occupied);
+        }
+    }
+    let model = LocalizationModel::new(&hall, fine()).expect("the hall is a map");
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let all = coarse.ground.numbers().len() * coarse.grid.headings;
+    let mut localization = Localization::start_uniform(&model);
+    let mut awake = Vec::new();
+    for (odometry, scan_m) in drive(&model, 10_001, 60) {
+        localization.observe(&model, odometry, &[Some(&scan_m)]);
+        let (belief, leading) = localization.belief(&model);
+        if leading.grid.headings == coarse.grid.headings {
+            awake.push(belief.tiles().count());
+        }
+    }
+    assert!(awake.len() > 3, "the coarse belief leads at first: {awake:?}");
+    assert!(awake.iter().any(|&tiles| tiles < all), "{awake:?} of {all}");
+}
