@@ -4,7 +4,7 @@ local function push(time, task)
   size = size + 1
   local at = size
   while at > 1 do
-    local up = at // 2
+    local up = math.floor(at / 2)
     if heap[up][1] <= time then break end
     heap[at] = heap[up]
     at = up

@@ -49,8 +49,8 @@ pub struct ScanModel {
     pub parameters: ScanParameters,
     /// P(s | o) of one beam.
     pub likelihood: SensorModel,
-    /// The same where people stand around, if the parameters tell it apart.
-    crowd_likelihood: Option<SensorModel>,
+    /// The same where people stand around, if the parameters tell it apart; made when first asked for.
+    crowd_likelihood: OnceLock<Option<SensorModel>>,
     /// Where its beams look.
     pub bearings: Bearings,
     /// Distances to what it sees.
@@ -69,7 +69,7 @@ impl ScanModel {
         Self {
             expected: ExpectedBins::new(seen.sweeps.clone(), grid, bearings.directions, ground, &parameters.beam),
             likelihood: SensorModel::new(&parameters.beam, parameters.tempering),
-            crowd_likelihood: parameters.crowd_beam().map(|beam| SensorModel::new(&beam, parameters.tempering)),
+            crowd_likelihood: OnceLock::new(),
             samples: OnceLock::new(),
             beyond: OnceLock::new(),
             distances: seen.distances.clone(),
@@ -80,7 +80,11 @@ impl ScanModel {
 
     /// P(s | o) of one beam, by how a scan is weighed.
     pub(super) fn likelihood_of(&self, weighing: Weighing) -> &SensorModel {
-        self.crowd_likelihood.as_ref().filter(|_| weighing.is_crowd).unwrap_or(&self.likelihood)
+        if !weighing.is_crowd {
+            return &self.likelihood;
+        }
+        let made = || self.parameters.crowd_beam().map(|beam| SensorModel::new(&beam, self.parameters.tempering));
+        self.crowd_likelihood.get_or_init(made).as_ref().unwrap_or(&self.likelihood)
     }
 
     /// Expected bins by tile and direction.

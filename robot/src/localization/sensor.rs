@@ -34,7 +34,7 @@ impl SensorModel {
         let likelihood: Vec<Vec<f64>> = (0..BINS).map(|expected| mixture(parameters, expected)).collect();
         let costs: Vec<[u8; BINS]> = (0..BINS)
             .map(|measured| {
-                let nats: Vec<f64> = likelihood.iter().map(|given| -libm::log(given[measured])).collect();
+                let nats: [f64; BINS] = std::array::from_fn(|expected| -libm::log(likelihood[expected][measured]));
                 let best = nats.iter().copied().fold(f64::INFINITY, f64::min);
                 std::array::from_fn(|expected| {
                     libm::round((nats[expected] - best) * UNITS_PER_NAT).min(f64::from(u8::MAX)) as u8
