@@ -1,6 +1,7 @@
 //! The fine belief, the coarse one that watches over it, and which of the two leads.
 
 use super::belief::Belief;
+use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
 use super::parameters::Spread;
@@ -33,8 +34,8 @@ pub(super) struct Heard {
     pub whole: BinnedScan,
     /// Without the readings that are left out.
     pub gated: BinnedScan,
-    /// Whether they were left out because people stand around.
-    pub is_crowd: bool,
+    /// Whether people stand around, and what became of their readings.
+    pub company: Company,
 }
 
 /// What is believed: on one grid or, where a coarse belief watches, on two.
@@ -54,6 +55,9 @@ pub(super) struct Beliefs {
     /// What the coarse one gives the mode of the fine one: as much as it ever does if it sleeps, 1 if it leads or none
     /// watches.
     pub agreed: f64,
+    /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
+    /// around.
+    support_nats: f64,
 }
 
 impl Beliefs {
@@ -79,7 +83,7 @@ impl Beliefs {
 
     fn of(model: &LocalizationModel, fine: Belief, watcher: Option<Watcher>) -> Self {
         let mode = fine.mode(model);
-        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0 };
+        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0, support_nats: 0.0 };
         beliefs.settle(model);
         beliefs
     }
@@ -152,23 +156,37 @@ impl Beliefs {
         }
     }
 
-    /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before.
+    /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before. `support_nats` is how far the
+    /// readings that are not short have borne the mode out.
     ///
-    /// Where readings are taken for people, the coarse belief hears the whole scan, with a beam to which people are
-    /// likely: who left out there what the fine one takes for people could not object to a wrong pose.
-    pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, heard: Vec<Heard>, updates: u64) {
-        let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.is_crowd).collect();
-        let watched = |heard: &Heard| if heard.is_crowd { heard.whole.clone() } else { heard.gated.clone() };
+    /// Where people stand around, the coarse belief hears the whole scan, with a beam to which people are likely: who left
+    /// out there what the fine one takes for people could not object to a wrong pose. So does the fine one where nothing is
+    /// left out.
+    pub(super) fn sense(
+        &mut self,
+        model: &LocalizationModel,
+        motion: Pose,
+        heard: Vec<Heard>,
+        support_nats: f64,
+        updates: u64,
+    ) {
+        let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.company.is_crowd()).collect();
+        let are_people_around = is_crowd.contains(&true);
+        self.support_nats = if are_people_around { support_nats } else { 0.0 };
+        let counted = |heard: &Heard| Weighing { is_crowd: heard.company == Company::Counted, ..Weighing::USUAL };
+        let counted: Vec<Weighing> = heard.iter().map(counted).collect();
+        let watched = |heard: &Heard| if heard.company.is_crowd() { heard.whole.clone() } else { heard.gated.clone() };
         let watched: Vec<BinnedScan> = heard.iter().map(watched).collect();
         let (whole, gated): (Vec<BinnedScan>, Vec<BinnedScan>) =
             heard.into_iter().map(|heard| (heard.whole, heard.gated)).unzip();
         let from_in_map = self.mode.pose_in_map;
         if !self.is_led_by_coarse {
-            self.fine.sense_after_motion(model, motion, &gated);
+            self.fine.sense_after_motion(model, motion, &gated, &counted);
             self.mode = self.fine.mode(model);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
-            let hears_all = self.is_led_by_coarse || self.fine.is_adrift(model);
+            // Among people the fine belief hears little, and what sleeps comes to be worth θ by mixing alone.
+            let hears_all = self.is_led_by_coarse || self.fine.is_adrift(model) && !are_people_around;
             let scans = if hears_all { watched } else { in_turn(&watched, updates) };
             // What the fine belief would count a scan for.
             let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
@@ -197,6 +215,7 @@ impl Beliefs {
 
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
+        self.support_nats = 0.0;
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
             watcher.disagree();
@@ -216,6 +235,10 @@ impl Beliefs {
 
     /// Finds who leads: the fine belief, unless much of it sleeps or the coarse one disagrees. As soon as little enough
     /// may be true, the fine belief is made of the coarse one.
+    ///
+    /// Among people, what the coarse one gives the mode is first brought in line with its support (Bayes' rule: odds times
+    /// a ratio of likelihoods). People who walk along are heard again and again, and where some other pose has walls
+    /// there, it gains by each scan; the readings that go past them are those that can tell.
     fn decide(&mut self, model: &LocalizationModel) {
         let (Some(watcher), Some(coarse_model), Some(watch)) =
             (&mut self.watcher, &model.watch, &model.parameters.watch)
@@ -230,8 +253,11 @@ impl Beliefs {
             self.agreed = 1.0 - watch.mixing;
             return;
         };
-        let agreement =
-            |mode: &Maximum| coarse.mass_within(coarse_model, mode.pose_in_map, watch.near_m, watch.near_rad);
+        let ratio = libm::exp(self.support_nats);
+        let agreement = |mode: &Maximum| {
+            let mass = coarse.mass_within(coarse_model, mode.pose_in_map, watch.near_m, watch.near_rad);
+            ratio * mass / (1.0 + (ratio - 1.0) * mass)
+        };
         if !self.is_led_by_coarse {
             self.agreed = agreement(&self.mode);
             let agrees = self.agreed >= watch.agreement * self.mode.mass;

@@ -2,12 +2,13 @@
 
 use super::belief::Belief;
 use super::beliefs::{Beliefs, Heard};
-use super::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
+use super::gating::{Company, Crowd, leave_out_confusing, leave_out_novel, leave_out_short};
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
+use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -66,8 +67,8 @@ pub struct Localization {
     rest: Rest,
     /// The pose found by the last scans, if one was.
     fix: Option<Fix>,
-    /// How far the readings that are not short have borne the mode out, in nats.
-    support: f64,
+    /// Whether people stand around, and the mode is borne out nevertheless.
+    crowd: Crowd,
     /// Updates so far.
     updates: u64,
     /// How many of them there were when landmarks were seen last.
@@ -93,7 +94,7 @@ impl Localization {
             last_scans_m: vec![None; model.sensors.len()],
             rest: Rest::default(),
             fix: None,
-            support: 0.0,
+            crowd: Crowd::default(),
             updates: 0,
             seen_at: None,
         }
@@ -108,7 +109,7 @@ impl Localization {
     /// Gives up all of the belief: what it says has been refuted, and a share of it would only lead
     /// back there.
     pub fn refute(&mut self, model: &LocalizationModel) {
-        self.support = 0.0;
+        self.crowd.support_nats = 0.0;
         self.mix(model, 1.0);
     }
 
@@ -145,9 +146,9 @@ impl Localization {
         let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
         self.beliefs.advance(model, since);
         let heard = self.heard(model, predicted_in_map, scans_m);
-        self.beliefs.sense(model, since, heard, self.updates);
+        self.beliefs.sense(model, since, heard, self.crowd.support_nats, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
-            self.support = 0.0;
+            self.crowd.support_nats = 0.0;
         }
         // Odometry that may be badly wrong would lead the next fix astray.
         let last = self.fix.filter(|_| model.parameters.faults.is_none());
@@ -237,7 +238,8 @@ impl Localization {
     /// The bins of the scans, and which of them gating leaves out; the belief has been moved.
     fn heard(&mut self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<Heard> {
         let scans = model.binned(scans_m).into_iter();
-        let mut heard: Vec<Heard> = scans.map(|whole| Heard { gated: whole.clone(), whole, is_crowd: false }).collect();
+        let all = |whole: BinnedScan| Heard { gated: whole.clone(), whole, company: Company::Few };
+        let mut heard: Vec<Heard> = scans.map(all).collect();
         let (belief, leading) = self.beliefs.leading(model);
         for (sensor, (heard, ranges_m)) in heard.iter_mut().zip(scans_m).enumerate() {
             let scan = &mut heard.gated;
@@ -249,8 +251,8 @@ impl Localization {
                     if let Some(state) = state {
                         let expected = model.expected_scan(sensor, state);
                         let (tables, mass) = (&model.sensors[sensor], self.beliefs.mode.mass);
-                        heard.is_crowd =
-                            leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.support, scan);
+                        heard.company =
+                            leave_out_short(short, tables, &expected, ranges_m, mass, &mut self.crowd, scan);
                     }
                 }
                 Gating::Entropy => leave_out_confusing(belief, leading, sensor, scan),

@@ -6,6 +6,7 @@ use super::model::LocalizationModel;
 use super::scan::ScanModel;
 use super::scan_parameters::ShortReadings;
 use super::sensor::{BINS, BinnedScan};
+use serde::{Deserialize, Serialize};
 
 /// How much likelier a reading that is not short is at the right pose than elsewhere, as a logarithm, if it fits, comes
 /// from farther, or is missed: as if of such readings 70, 6 and 24 % were so at the right pose, and 30, 40 and 30 %
@@ -16,26 +17,89 @@ const LOG_RATIOS: [f64; 3] = [0.85, -1.9, -0.2];
 /// its pose was right.
 const MOST_SUPPORT: f64 = 1.2;
 
+/// Among people what was read counts for at most so much: few readings are not short there, and the sum of some scans can
+/// be against the right pose.
+const MOST_SUPPORT_IN_CROWD: f64 = 2.4;
+
 /// A scan that speaks against the pose by more than this, in nats, counts in full, however well the scans before it fitted.
 const MOST_AGAINST: f64 = 0.3;
+
+/// The same among people: nearly three echoes from farther.
+const MOST_AGAINST_IN_CROWD: f64 = 0.8;
+
+/// Once so many scans more have told of people than have not, people stand around, whatever the next scan tells of the
+/// pose: nobody is gone from one scan to the next.
+const LEAST_CROWD_SCANS: u32 = 5;
+
+/// And no more are counted than this, so that they are known to be gone after some two metres.
+const MOST_CROWD_SCANS: u32 = 20;
 
 /// With less of the belief at the mode than this, nothing is left out even in a crowd: less than a relocalization leaves
 /// of what was believed, so that a false alarm heals in place.
 const LEAST_IN_CROWD: f64 = 0.05;
 
+/// What scan after scan has told of people around the robot.
+///
+/// Whether they are there is one question, and whether the pose is right another one: a scan that speaks against the pose
+/// does not tell that the people are gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Crowd {
+    /// How far the readings that are not short have borne the pose out, in nats, tempered.
+    pub support_nats: f64,
+    /// Scans that told of people, less those since that did not.
+    scans: u32,
+}
+
+impl Crowd {
+    fn is_around(&self) -> bool {
+        self.scans >= LEAST_CROWD_SCANS
+    }
+
+    /// Takes in whether a scan tells of people.
+    fn count(&mut self, tells: bool) {
+        self.scans = if tells { (self.scans + 1).min(MOST_CROWD_SCANS) } else { self.scans.saturating_sub(1) };
+    }
+}
+
+/// Whose readings a scan has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Company {
+    /// Nobody's, or of a few.
+    Few,
+    /// Those of people around the robot, which were left out, because the other ones bear the pose out.
+    LeftOut,
+    /// Those of people around the robot, which count like all others, because those do not.
+    Counted,
+}
+
+impl Company {
+    /// Whether people stand around.
+    pub(super) fn is_crowd(self) -> bool {
+        match self {
+            Self::Few => false,
+            Self::LeftOut | Self::Counted => true,
+        }
+    }
+}
+
 /// Leaves out readings that are clearly shorter than expected at the estimated pose: while they are few, and where
 /// people stand around. Many short readings speak against a pose and not for people, unless the other ones have borne
 /// it out, scan by scan (Wald's sequential ratio of likelihoods, bounded): that is its support. `certainty` is the share
-/// of the belief at the pose. Returns whether it was for people.
+/// of the belief at the pose.
 pub(super) fn leave_out_short(
     short: &ShortReadings,
     sensor: &ScanModel,
     expected: &[u8],
     ranges_m: &[f32],
     certainty: f64,
-    support: &mut f64,
+    crowd: &mut Crowd,
     scan: &mut BinnedScan,
-) -> bool {
+) -> Company {
+    let was_around = crowd.is_around();
+    let (most_support, most_against) = match was_around {
+        true => (MOST_SUPPORT_IN_CROWD, MOST_AGAINST_IN_CROWD),
+        false => (MOST_SUPPORT, MOST_AGAINST),
+    };
     let read: Vec<usize> = (0..scan.len()).filter(|&beam| scan[beam].is_some()).collect();
     let beyond_m = |beam: usize| f64::from(ranges_m[beam]) - sensor.likelihood.range_m(expected[beam]);
     let short_by_m = |margin_m: f64| read.iter().copied().filter(move |&beam| beyond_m(beam) < -margin_m);
@@ -47,22 +111,25 @@ pub(super) fn leave_out_short(
         true => LOG_RATIOS[2],
     });
     let gained = ratios.sum::<f64>() * sensor.parameters.tempering;
-    *support = (*support + gained).clamp(-MOST_SUPPORT, MOST_SUPPORT);
+    crowd.support_nats = (crowd.support_nats + gained).clamp(-MOST_SUPPORT, most_support);
     let count = short_by_m(short.margin_m).count();
-    if count <= short.max_readings {
-        if certainty >= short.min_certainty {
-            short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
-        }
-        return false;
-    }
-    let is_crowd = certainty >= LEAST_IN_CROWD && *support > 0.0 && gained > -MOST_AGAINST;
-    if is_crowd {
+    let is_borne_out = certainty >= LEAST_IN_CROWD && crowd.support_nats > 0.0 && gained > -most_against;
+    let tells = count > short.max_readings && is_borne_out;
+    crowd.count(tells);
+    if tells {
         if read.len() - count < short.crowd_least {
             scan.fill(None);
         }
         short_by_m(short.crowd_margin_m).for_each(|beam| scan[beam] = None);
+        return Company::LeftOut;
     }
-    is_crowd
+    if crowd.is_around() {
+        return Company::Counted;
+    }
+    if count <= short.max_readings && certainty >= short.min_certainty {
+        short_by_m(short.margin_m).for_each(|beam| scan[beam] = None);
+    }
+    Company::Few
 }
 
 /// Leaves out each reading that alone would raise the entropy of the belief (Fox, Burgard, Thrun, Cremers, "Position

@@ -1,7 +1,7 @@
 //! Readings that are left out because they may have measured people.
 
 use super::*;
-use crate::localization::gating::{leave_out_confusing, leave_out_novel, leave_out_short};
+use crate::localization::gating::{Company, Crowd, leave_out_confusing, leave_out_novel, leave_out_short};
 use crate::localization::sensor::BinnedScan;
 
 /// A belief around a pose, in full view of all states.
@@ -96,31 +96,48 @@ fn the_novelty_filter_leaves_out_just_the_readings_that_are_probably_shorter_tha
     assert!(kept > 10 && left_out > 10, "{kept} and {left_out}");
 }
 
+/// How many readings of a scan from the middle of the room, where walls are far enough for somebody to stand before them,
+/// are left out, and for whom: half of them are short, and the others are off by so much.
+fn half_short(model: &LocalizationModel, others_m: f64, certainty: f64, crowd: &mut Crowd) -> (usize, Company) {
+    let (short, sensor) = (ShortReadings::default(), &model.sensors[0]);
+    let expected = model.expected_scan(0, model.state_at(Pose::new(2.5, 2.1, 0.3)).expect("on the map"));
+    let range_m = |(beam, &bin): (usize, &u8)| {
+        let off_m = if beam % 2 == 0 { -1.0 } else { others_m };
+        (sensor.likelihood.range_m(bin) + off_m) as f32
+    };
+    let ranges_m: Vec<f32> = expected.iter().enumerate().map(range_m).collect();
+    let mut scan = sensor.likelihood.scan(&ranges_m);
+    let company = leave_out_short(&short, sensor, &expected, &ranges_m, certainty, crowd, &mut scan);
+    (scan.iter().filter(|bin| bin.is_none()).count(), company)
+}
+
 #[test]
 fn short_readings_are_left_out_where_the_others_have_fitted_and_count_where_they_come_from_farther() {
     let model = model(LocalizationParameters { activity_threshold: 0.0, watch: None, ..parameters() });
-    let (short, sensor) = (ShortReadings::default(), &model.sensors[0]);
-    // In the middle of the room, where walls are far enough for somebody to stand before them.
-    let expected = model.expected_scan(0, model.state_at(Pose::new(2.5, 2.1, 0.3)).expect("on the map"));
-    // Half of the readings are short; the others are off by so much.
-    let left_out = |others_m: f64, certainty: f64, support: &mut f64| {
-        let range_m = |(beam, &bin): (usize, &u8)| {
-            let off_m = if beam % 2 == 0 { -1.0 } else { others_m };
-            (sensor.likelihood.range_m(bin) + off_m) as f32
-        };
-        let ranges_m: Vec<f32> = expected.iter().enumerate().map(range_m).collect();
-        let mut scan = sensor.likelihood.scan(&ranges_m);
-        leave_out_short(&short, sensor, &expected, &ranges_m, certainty, support, &mut scan);
-        scan.iter().filter(|bin| bin.is_none()).count()
-    };
-    let mut support = 0.0;
-    for _ in 0..10 {
-        assert_eq!(left_out(0.1, 0.9, &mut support), 12);
+    let mut crowd = Crowd::default();
+    for _ in 0..4 {
+        assert_eq!(half_short(&model, 0.1, 0.9, &mut crowd), (12, Company::LeftOut));
     }
     // Carried elsewhere: within two scans everything counts, and goes on to count.
-    let elsewhere: Vec<usize> = (0..6).map(|_| left_out(0.8, 0.9, &mut support)).collect();
-    assert_eq!(elsewhere[1..], [0; 5]);
+    let elsewhere: Vec<_> = (0..6).map(|_| half_short(&model, 0.8, 0.9, &mut crowd)).collect();
+    assert_eq!(elsewhere[1..], [(0, Company::Few); 5]);
     // Of a pose that is as good as given up nothing is left out, whatever fits.
-    let mut support = 0.0;
-    assert_eq!([left_out(0.1, 0.01, &mut support), left_out(0.1, 0.1, &mut support)], [0, 12]);
+    let mut crowd = Crowd::default();
+    assert_eq!(half_short(&model, 0.1, 0.01, &mut crowd), (0, Company::Few));
+    assert_eq!(half_short(&model, 0.1, 0.1, &mut crowd), (12, Company::LeftOut));
+}
+
+#[test]
+fn people_who_have_stood_around_for_long_are_still_there_when_a_scan_speaks_against_the_pose() {
+    let model = model(LocalizationParameters { activity_threshold: 0.0, watch: None, ..parameters() });
+    let mut crowd = Crowd::default();
+    for _ in 0..30 {
+        assert_eq!(half_short(&model, 0.1, 0.9, &mut crowd), (12, Company::LeftOut));
+    }
+    // Carried elsewhere: from the first or second scan all readings count, by the beam to which people are likely.
+    let elsewhere: Vec<_> = (0..15).map(|_| half_short(&model, 0.8, 0.9, &mut crowd)).collect();
+    assert_eq!(elsewhere[1..], [(0, Company::Counted); 14]);
+    // Whoever is not seen for long is gone.
+    let later: Vec<_> = (0..6).map(|_| half_short(&model, 0.8, 0.9, &mut crowd)).collect();
+    assert_eq!(later[5], (0, Company::Few));
 }
