@@ -35,6 +35,8 @@ pub(super) struct Heard {
     pub gated: BinnedScan,
     /// Whether they were left out because people stand around.
     pub is_crowd: bool,
+    /// Exponent of its likelihood, beyond its tempering: what it tells beyond the last one.
+    pub power: f64,
 }
 
 /// What is believed: on one grid or, where a coarse belief watches, on two.
@@ -157,6 +159,7 @@ impl Beliefs {
     /// Where readings are taken for people, the coarse belief hears the whole scan, with a beam to which people are
     /// likely: who left out there what the fine one takes for people could not object to a wrong pose.
     pub(super) fn sense(&mut self, model: &LocalizationModel, motion: Pose, heard: Vec<Heard>, updates: u64) {
+        let powers: Vec<f64> = heard.iter().map(|scan| scan.power).collect();
         let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.is_crowd).collect();
         let watched = |heard: &Heard| if heard.is_crowd { heard.whole.clone() } else { heard.gated.clone() };
         let watched: Vec<BinnedScan> = heard.iter().map(watched).collect();
@@ -164,7 +167,8 @@ impl Beliefs {
             heard.into_iter().map(|heard| (heard.whole, heard.gated)).unzip();
         let from_in_map = self.mode.pose_in_map;
         if !self.is_led_by_coarse {
-            self.fine.sense_after_motion(model, motion, &gated);
+            let weighing = |sensor: usize| Weighing { power: powers[sensor], ..Weighing::USUAL };
+            self.fine.sense_after_motion(model, motion, &gated, weighing);
             self.mode = self.fine.mode(model);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
@@ -172,8 +176,9 @@ impl Beliefs {
             let scans = if hears_all { watched } else { in_turn(&watched, updates) };
             // What the fine belief would count a scan for.
             let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
-            let power =
+            let of_fine =
                 |sensor| if hears_all { tempering(model, sensor) / tempering(coarse_model, sensor) } else { 1.0 };
+            let power = |sensor: usize| powers[sensor] * of_fine(sensor);
             let weighing = |(sensor, is_crowd)| Weighing { power: power(sensor), is_crowd };
             let weighings = is_crowd.into_iter().enumerate().map(weighing).collect();
             let mode_in_map = self.mode.pose_in_map;

@@ -5,6 +5,7 @@ use super::model::LocalizationModel;
 use super::motion::Share;
 use super::parameters::OdometryFaults;
 use super::plane::Plane;
+use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use crate::geometry::Pose;
 
@@ -19,20 +20,26 @@ const LEAST_SHARE: f64 = 1e-3;
 const MOST_TILES: usize = 1024;
 
 impl Belief {
-    /// Eq. (2) after Eq. (1) for a motion: as [`Belief::sense`], and where the scans do not fit, the odometry may have
+    /// Eq. (2) after Eq. (1) for a motion: as [`Belief::sense_weighed`], and where the scans do not fit, the odometry may have
     /// been wrong.
     ///
     /// The error of the odometry is a mixture of a normal one, a jump of the heading and a way in the other direction,
     /// and so is the belief: each part has its share by Bayes' rule, the prior one times the evidence of the scans. The
     /// faults are computed only where the scans fit badly without them; elsewhere their share is next to nothing.
-    pub(super) fn sense_after_motion(&mut self, model: &LocalizationModel, motion: Pose, scans: &[BinnedScan]) {
+    pub(super) fn sense_after_motion(
+        &mut self,
+        model: &LocalizationModel,
+        motion: Pose,
+        scans: &[BinnedScan],
+        weighing: impl Fn(usize) -> Weighing + Copy,
+    ) {
         let is_localized = |_: &&OdometryFaults| self.tiles().count() <= MOST_TILES;
         let Some(faults) = model.parameters.faults.as_ref().filter(is_localized) else {
-            self.sense(model, scans);
+            self.sense_weighed(model, scans, weighing);
             return;
         };
         let before = self.clone();
-        let fit = self.sense(model, scans);
+        let fit = self.sense_weighed(model, scans, weighing);
         if fit >= FITS {
             return;
         }
@@ -40,7 +47,7 @@ impl Belief {
         let after = [(before.jumped(model, faults), faults.jump), (before.corrected(model, reversed), faults.reversal)];
         let mut held = libm::log(1.0 - faults.jump - faults.reversal) + fit;
         for (mut faulty, share) in after.into_iter().filter(|(_, share)| *share > 0.0) {
-            let odds = share * libm::exp(faulty.sense(model, scans) - held);
+            let odds = share * libm::exp(faulty.sense_weighed(model, scans, weighing) - held);
             let share = odds / (1.0 + odds);
             if share > LEAST_SHARE {
                 self.mix_in(model, &faulty, share);
