@@ -36,6 +36,8 @@ pub(super) struct Heard {
     pub gated: BinnedScan,
     /// Whether people stand around, and what became of their readings.
     pub company: Company,
+    /// Exponent of its likelihood, beyond its tempering: what it tells beyond the last one.
+    pub power: f64,
 }
 
 /// What is believed: on one grid or, where a coarse belief watches, on two.
@@ -170,10 +172,11 @@ impl Beliefs {
         support_nats: f64,
         updates: u64,
     ) {
+        let powers: Vec<f64> = heard.iter().map(|scan| scan.power).collect();
         let is_crowd: Vec<bool> = heard.iter().map(|scan| scan.company.is_crowd()).collect();
         let are_people_around = is_crowd.contains(&true);
         self.support_nats = if are_people_around { support_nats } else { 0.0 };
-        let counted = |heard: &Heard| Weighing { is_crowd: heard.company == Company::Counted, ..Weighing::USUAL };
+        let counted = |heard: &Heard| Weighing { power: heard.power, is_crowd: heard.company == Company::Counted };
         let counted: Vec<Weighing> = heard.iter().map(counted).collect();
         let watched = |heard: &Heard| if heard.company.is_crowd() { heard.whole.clone() } else { heard.gated.clone() };
         let watched: Vec<BinnedScan> = heard.iter().map(watched).collect();
@@ -190,8 +193,9 @@ impl Beliefs {
             let scans = if hears_all { watched } else { in_turn(&watched, updates) };
             // What the fine belief would count a scan for.
             let tempering = |of: &LocalizationModel, sensor: usize| of.sensors[sensor].parameters.tempering;
-            let power =
+            let of_fine =
                 |sensor| if hears_all { tempering(model, sensor) / tempering(coarse_model, sensor) } else { 1.0 };
+            let power = |sensor: usize| powers[sensor] * of_fine(sensor);
             let weighing = |(sensor, is_crowd)| Weighing { power: power(sensor), is_crowd };
             let weighings = is_crowd.into_iter().enumerate().map(weighing).collect();
             let mode_in_map = self.mode.pose_in_map;

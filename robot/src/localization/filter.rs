@@ -6,6 +6,7 @@ use super::gating::{Company, Crowd, leave_out_confusing, leave_out_novel, leave_
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::parameters::{LocalizationParameters, Spread};
+use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
 use super::sensor::BinnedScan;
@@ -137,15 +138,16 @@ impl Localization {
         let moved = libm::hypot(since.x_m, since.y_m) >= model.parameters.update_distance_m
             || libm::fabs(since.heading_rad) >= model.parameters.update_angle_rad;
         let is_scanned = scans_m.iter().any(Option::is_some);
+        let powers = self.powers(model, since);
         let is_due = moved
             || is_scanned && self.is_due_at_rest(&model.parameters, scans_m)
-            || self.is_contradicted(model, since, scans_m);
+            || self.is_contradicted(model, since, scans_m, &powers);
         if !is_due {
             return false;
         }
         let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
         self.beliefs.advance(model, since);
-        let heard = self.heard(model, predicted_in_map, scans_m);
+        let heard = self.heard(model, predicted_in_map, scans_m, &powers);
         self.beliefs.sense(model, since, heard, self.crowd.support_nats, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
             self.crowd.support_nats = 0.0;
@@ -153,7 +155,7 @@ impl Localization {
         // Odometry that may be badly wrong would lead the next fix astray.
         let last = self.fix.filter(|_| model.parameters.faults.is_none());
         let last = last.map(|fix| fix.advanced(since, &model.parameters.odometry));
-        self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m);
+        self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m, &powers);
         self.take_fix();
         self.updated_at_in_odom = Some(odometry_in_odom);
         self.updates += 1;
@@ -170,6 +172,16 @@ impl Localization {
         true
     }
 
+    /// What a scan of each sensor tells beyond the last one it was heard with, after a motion since the last update.
+    fn powers(&self, model: &LocalizationModel, since: Pose) -> Vec<f64> {
+        let way_m = libm::hypot(since.x_m, since.y_m);
+        let power = |(sensor, last_m): (&ScanModel, &Option<Vec<f32>>)| {
+            let correlation = sensor.parameters.correlation.as_ref().filter(|_| last_m.is_some());
+            correlation.map_or(1.0, |correlation| correlation.beyond_last(way_m))
+        };
+        model.sensors.iter().zip(&self.last_scans_m).map(power).collect()
+    }
+
     /// Counts an observation at rest and tells whether it is to be used.
     fn is_due_at_rest(&mut self, parameters: &LocalizationParameters, scans_m: &[Option<&[f32]>]) -> bool {
         self.rest.waited += 1;
@@ -184,13 +196,19 @@ impl Localization {
 
     /// Whether scans speak against what odometry tells of the way since the last update, if it may be badly wrong: they
     /// explain the pose it leads to much worse than those of the last update explained theirs.
-    fn is_contradicted(&self, model: &LocalizationModel, since: Pose, scans_m: &[Option<&[f32]>]) -> bool {
+    fn is_contradicted(
+        &self,
+        model: &LocalizationModel,
+        since: Pose,
+        scans_m: &[Option<&[f32]>],
+        powers: &[f64],
+    ) -> bool {
         if model.parameters.faults.is_none() {
             return false;
         }
         let mode_in_map = self.beliefs.mode.pose_in_map;
         let last_m: Vec<Option<&[f32]>> = self.last_scans_m.iter().map(Option::as_deref).collect();
-        let cost = |pose_in_map, scans_m: &[Option<&[f32]>]| model.cost(pose_in_map, scans_m);
+        let cost = |pose_in_map, scans_m: &[Option<&[f32]>]| model.cost(pose_in_map, scans_m, powers);
         match (cost(mode_in_map, &last_m), cost(mode_in_map.compose(since), scans_m)) {
             (Some(last), Some(now)) => now - last > CONTRADICTION,
             (Some(_), None) => true,
@@ -236,10 +254,16 @@ impl Localization {
     }
 
     /// The bins of the scans, and which of them gating leaves out; the belief has been moved.
-    fn heard(&mut self, model: &LocalizationModel, predicted_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Vec<Heard> {
-        let scans = model.binned(scans_m).into_iter();
-        let all = |whole: BinnedScan| Heard { gated: whole.clone(), whole, company: Company::Few };
-        let mut heard: Vec<Heard> = scans.map(all).collect();
+    fn heard(
+        &mut self,
+        model: &LocalizationModel,
+        predicted_in_map: Pose,
+        scans_m: &[Option<&[f32]>],
+        powers: &[f64],
+    ) -> Vec<Heard> {
+        let scans = model.binned(scans_m).into_iter().zip(powers);
+        let heard = scans.map(|(whole, &power)| Heard { gated: whole.clone(), whole, company: Company::Few, power });
+        let mut heard: Vec<Heard> = heard.collect();
         let (belief, leading) = self.beliefs.leading(model);
         for (sensor, (heard, ranges_m)) in heard.iter_mut().zip(scans_m).enumerate() {
             let scan = &mut heard.gated;

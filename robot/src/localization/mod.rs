@@ -54,7 +54,7 @@ pub use parameters::{LocalizationParameters, OdometryError, OdometryFaults, Spre
 pub use plane::Plane;
 pub use reading::{Offness, ReadingModel, StateShare};
 pub use scan::ScanModel;
-pub use scan_parameters::{BeamParameters, Gating, ScanParameters, ShortReadings};
+pub use scan_parameters::{BeamParameters, ErrorCorrelation, Gating, ScanParameters, ShortReadings};
 pub(crate) use sensor::{BINS, components};
 pub use sensor::{NO_ECHO, SensorModel};
 pub use simd::Instructions;

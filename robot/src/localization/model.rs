@@ -181,15 +181,15 @@ impl LocalizationModel {
         self.sensors.iter().zip(scans_m).map(binned).collect()
     }
 
-    /// −ln of the likelihood of scans at a pose, tempered, less the least it can be anywhere; none where nobody can
-    /// stand.
-    pub(super) fn cost(&self, pose_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Option<f64> {
+    /// −ln of the likelihood of scans at a pose, tempered and raised to a power for each sensor, less the least it can be
+    /// anywhere; none where nobody can stand.
+    pub(super) fn cost(&self, pose_in_map: Pose, scans_m: &[Option<&[f32]>], powers: &[f64]) -> Option<f64> {
         let state = self.state_at(pose_in_map).filter(|state| self.is_admissible(state.column, state.row))?;
         let of_sensor = |(sensor, scan): (usize, BinnedScan)| {
             let tables = &self.sensors[sensor];
             let pairs = scan.into_iter().zip(self.expected_scan(sensor, state));
             let nats = pairs.filter_map(|(measured, expected)| Some(tables.likelihood.nats(measured?, expected)));
-            tables.parameters.tempering * nats.sum::<f64>()
+            powers[sensor] * tables.parameters.tempering * nats.sum::<f64>()
         };
         Some(self.binned(scans_m).into_iter().enumerate().map(of_sensor).sum())
     }

@@ -76,14 +76,20 @@ impl LocalizationModel {
     /// full 3D motion estimation", 2011, match scans to a grid map) finds where inside it the robot is.
     /// A surface is the line through the ends of the ray and of two beside it, because the cells of a wall that is not
     /// along the grid are a stair. Each difference is taken across it and weighted by Geman and McClure's kernel, so
-    /// that people and furniture count for little, and tempered as the scan is. The prior is the last pose found
+    /// that people and furniture count for little, and tempered as the scan is, to the same power. The prior is the last pose found
     /// this way, carried on by odometry, as long as the mode is near it and odometry is never badly wrong;
     /// else the mode. Along a bare wall it alone tells. Costs twelve rays for each beam.
-    pub(super) fn matched(&self, mode_in_map: Pose, last: Option<Fix>, scans_m: &[Option<&[f32]>]) -> Option<Fix> {
-        let scans = self.sensors.iter().zip(scans_m);
-        let scans: Vec<(&ScanModel, &[f32])> = scans
-            .filter(|(sensor, _)| sensor.parameters.beam.cone_deg == 0)
-            .filter_map(|(sensor, scan_m)| scan_m.map(|scan_m| (sensor, scan_m)))
+    pub(super) fn matched(
+        &self,
+        mode_in_map: Pose,
+        last: Option<Fix>,
+        scans_m: &[Option<&[f32]>],
+        powers: &[f64],
+    ) -> Option<Fix> {
+        let scans = self.sensors.iter().zip(scans_m).zip(powers);
+        let scans: Vec<(&ScanModel, &[f32], f64)> = scans
+            .filter(|((sensor, _), _)| sensor.parameters.beam.cone_deg == 0)
+            .filter_map(|((sensor, scan_m), &power)| scan_m.map(|scan_m| (sensor, scan_m, power)))
             .collect();
         if scans.is_empty() {
             return None;
@@ -93,7 +99,9 @@ impl LocalizationModel {
         let mut fix = known;
         for scale_m in SCALES_M {
             let mut evidence = Evidence::of_pose(prior, known.pose_in_map, fix.pose_in_map);
-            scans.iter().for_each(|(sensor, scan_m)| evidence.add_scan(sensor, scan_m, fix.pose_in_map, scale_m));
+            for &(sensor, scan_m, power) in &scans {
+                evidence.add_scan(sensor, scan_m, power, fix.pose_in_map, scale_m);
+            }
             let factors = evidence.information.cholesky()?;
             let (step, pose) = (factors.solve(&evidence.pull), fix.pose_in_map);
             fix.pose_in_map = Pose::new(pose.x_m + step.x, pose.y_m + step.y, pose.heading_rad + step.z);
@@ -127,18 +135,27 @@ impl Evidence {
         Self { information, pull: information * off }
     }
 
-    fn add_scan(&mut self, sensor: &ScanModel, scan_m: &[f32], pose: Pose, scale_m: f64) {
+    fn add_scan(&mut self, sensor: &ScanModel, scan_m: &[f32], power: f64, pose: Pose, scale_m: f64) {
         let max_m = sensor.parameters.beam.max_range_m;
+        let tempering = power * sensor.parameters.tempering;
         for (bearing_deg, &range_m) in sensor.parameters.beams_deg.iter().zip(scan_m) {
             let range_m = f64::from(range_m);
             if range_m < max_m {
-                self.add_ray(sensor, pose, f64::from(*bearing_deg).to_radians(), range_m, scale_m);
+                self.add_ray(sensor, tempering, pose, f64::from(*bearing_deg).to_radians(), range_m, scale_m);
             }
         }
     }
 
     /// Adds what a ray says whose end lies on a surface.
-    fn add_ray(&mut self, sensor: &ScanModel, pose: Pose, bearing_rad: f64, range_m: f64, scale_m: f64) {
+    fn add_ray(
+        &mut self,
+        sensor: &ScanModel,
+        tempering: f64,
+        pose: Pose,
+        bearing_rad: f64,
+        range_m: f64,
+        scale_m: f64,
+    ) {
         let beam = &sensor.parameters.beam;
         let direction_rad = pose.heading_rad + bearing_rad;
         let most_m = beam.max_range_m + beam.mount_radius_m;
@@ -153,7 +170,7 @@ impl Evidence {
         let depth_m = beam.wall_depth_m / libm::sqrt(across);
         let beyond_m = range_m + beam.mount_radius_m - depth_m - way_m;
         let kernel = 1.0 / (1.0 + across * beyond_m * beyond_m / (scale_m * scale_m));
-        let weight = sensor.parameters.tempering * kernel * kernel * across / (RAY_SIGMA_M * RAY_SIGMA_M);
+        let weight = tempering * kernel * kernel * across / (RAY_SIGMA_M * RAY_SIGMA_M);
         self.information += gradient * gradient.transpose() * weight;
         self.pull += gradient * (beyond_m * weight);
     }
@@ -249,7 +266,7 @@ mod tests {
                 let mut scan_m = scan_m(&model, truth, 0.02, &mut noise);
                 // Somebody stands to the left.
                 scan_m[22..26].fill(0.6);
-                found = model.matched(mode, found, &[Some(&scan_m)]);
+                found = model.matched(mode, found, &[Some(&scan_m)], &[1.0]);
             }
             let found = found.expect("a fix").pose_in_map;
             let turned_rad = wrap_angle_rad(found.heading_rad - truth.heading_rad).abs();
@@ -262,7 +279,7 @@ mod tests {
         let model = model(&room(40.0), laser());
         let (truth, mode) = (Pose::new(20.0, 1.7, 0.0), Pose::new(20.1, 1.76, 0.02));
         let scan_m = scan_m(&model, truth, 0.0, &mut Stream::new(10_301, "noise"));
-        let found = model.matched(mode, None, &[Some(&scan_m)]).expect("a fix").pose_in_map;
+        let found = model.matched(mode, None, &[Some(&scan_m)], &[1.0]).expect("a fix").pose_in_map;
         assert!((found.x_m - mode.x_m).abs() < 0.02 && (found.y_m - truth.y_m).abs() < 0.01, "{found:?}");
     }
 
@@ -302,7 +319,7 @@ mod tests {
                 (to(HALF_M[0], x_m, cos).min(to(HALF_M[1], y_m, sin)) + 0.02 * noise.normal()) as f32
             };
             let scan_m: Vec<f32> = model.sensors[0].parameters.beams_deg.iter().map(ray).collect();
-            let found = model.matched(mode, None, &[Some(&scan_m)]).expect("a fix").pose_in_map;
+            let found = model.matched(mode, None, &[Some(&scan_m)], &[1.0]).expect("a fix").pose_in_map;
             off_rad += wrap_angle_rad(found.heading_rad - truth.heading_rad).abs() / 100.0;
         }
         // By the cells alone, or with the depth of a wall along the ray, it is 0.42° and more.
@@ -313,8 +330,8 @@ mod tests {
     fn cones_and_missing_scans_give_no_fix() {
         let mode = Pose::new(3.07, 2.01, 0.4);
         let rays = model(&room(6.0), laser());
-        assert_eq!(rays.matched(mode, None, &[None]), None);
+        assert_eq!(rays.matched(mode, None, &[None], &[1.0]), None);
         let cones = model(&room(6.0), ScanParameters::default());
-        assert_eq!(cones.matched(mode, None, &[Some(&[1.0; 24])]), None);
+        assert_eq!(cones.matched(mode, None, &[Some(&[1.0; 24])], &[1.0]), None);
     }
 }

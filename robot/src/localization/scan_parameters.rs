@@ -16,6 +16,9 @@ pub struct ScanParameters {
     pub beam: BeamParameters,
     /// Exponent of a scan's likelihood; 1 takes the beams as independent.
     pub tempering: f64,
+    /// How the errors of a scan go on in the next one, which then counts for less; with none each scan counts alike.
+    #[serde(default)]
+    pub correlation: Option<ErrorCorrelation>,
     /// Readings to leave out; none leaves out none.
     pub gating: Option<Gating>,
     /// Standard deviation of the Gaussian where the coarse belief reads it: it must cover half a coarse
@@ -52,6 +55,7 @@ impl ScanParameters {
             beams_deg,
             beam: BeamParameters::sonar(sonar),
             tempering: 0.15,
+            correlation: None,
             watch_sigma_m: 0.2,
             watch_tempering: 0.2,
         }
@@ -69,6 +73,7 @@ impl ScanParameters {
             beam: BeamParameters { max_range_m: laser.range_m, ..MISSION_RAY },
             // Rays side by side meet the same wall, and what is missing in the map.
             tempering: 0.08,
+            correlation: None,
             // Far along a corridor rays meet its walls at small angles, and the coarse headings are 6° apart:
             // a narrower Gaussian gives up right poses there.
             watch_sigma_m: 0.35,
@@ -120,6 +125,12 @@ impl ScanParameters {
             ("sensors.watch_sigma_m", self.watch_sigma_m, 1e-4, 100.0),
             ("sensors.watch_tempering", self.watch_tempering, 1e-6, 1.0),
         ];
+        if let Some(correlation) = &self.correlation {
+            ranges.extend([
+                ("sensors.correlation.in_place", correlation.in_place, 0.0, 1.0),
+                ("sensors.correlation.length_m", correlation.length_m, 1e-3, 1000.0),
+            ]);
+        }
         match &self.gating {
             Some(Gating::Short(short)) => ranges.extend([
                 ("sensors.gating.short.margin_m", short.margin_m, 0.0, 1000.0),
@@ -133,6 +144,32 @@ impl ScanParameters {
             Some(Gating::Entropy) | None => {}
         }
         ranges
+    }
+}
+
+/// How alike the errors of two scans are: what the map lacks near a place, and a wall drawn beside where it is, mislead
+/// all scans from there. The correlation falls off exponentially with the way between the scans.
+///
+/// # Deviation
+/// The papers take all scans as independent. With one exponent for all of them, as low as scans side by side need it, a
+/// robot that has heard its first scan is far less certain than it is right, because no scan was before that one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ErrorCorrelation {
+    /// Correlation of the errors of two scans from one place; not 1, because some errors are those of the scan alone.
+    pub in_place: f64,
+    /// After this way it is lower by a factor of e.
+    pub length_m: f64,
+}
+
+impl ErrorCorrelation {
+    /// What a scan tells beyond the last one, so far away, as a share of what it would tell alone: (1 − ρ) / (1 + ρ).
+    /// n observations with errors that are a first-order autoregressive process are worth 1 + (n − 1)(1 − ρ) / (1 + ρ)
+    /// independent ones, 1ᵀR⁻¹1 for the matrix R of their correlations (on such numbers Bayley and Hammersley, "The
+    /// 'effective' number of independent observations in an autocorrelated time series", 1946).
+    pub(super) fn beyond_last(&self, way_m: f64) -> f64 {
+        let correlation = self.in_place * libm::exp(-way_m / self.length_m);
+        (1.0 - correlation) / (1.0 + correlation)
     }
 }
 
@@ -326,6 +363,18 @@ mod tests {
         {
             assert_eq!(sensors(robot)[0].looks_around(), looks_around, "{robot}");
         }
+    }
+
+    #[test]
+    fn scans_along_a_way_count_as_much_as_the_inverse_of_their_correlations_says() {
+        let correlation = ErrorCorrelation { in_place: 1.0, length_m: 0.7 };
+        let places_m: [f64; 6] = [0.0, 0.1, 0.35, 0.9, 1.0, 3.5];
+        let between = |row: usize, column: usize| libm::exp(-(places_m[row] - places_m[column]).abs() / 0.7);
+        let inverse = nalgebra::SMatrix::<f64, 6, 6>::from_fn(between).try_inverse().expect("it is definite");
+        let told: f64 = places_m.windows(2).map(|pair| correlation.beyond_last(pair[1] - pair[0])).sum();
+        assert!((1.0 + told - inverse.sum()).abs() < 1e-9, "{told}");
+        let partly = ErrorCorrelation { in_place: 0.4, length_m: 0.7 };
+        assert!((partly.beyond_last(0.0) - 0.6 / 1.4).abs() < 1e-12);
     }
 
     #[test]

@@ -533,3 +533,36 @@ fn two_mirror_poses_keep_their_share_along_a_symmetric_corridor() {
         }
     }
 }
+
+/// What is believed after a first scan and a second one, some centimetres on, by how their errors are correlated.
+fn after_two_scans(correlation: Option<ErrorCorrelation>, is_second_heard: bool) -> [Vec<f64>; 2] {
+    let sensors = vec![ScanParameters { correlation, ..parameters().sensors[0].clone() }];
+    let model = model(LocalizationParameters { sensors, watch: None, activity_threshold: 0.0, ..parameters() });
+    let mut localization = Localization::start_uniform(&model);
+    let drive = drive(&model, 10_350, 12);
+    [&drive[0], &drive[11]].map(|(odometry, scan_m)| {
+        let is_heard = localization.updates() == 0 || is_second_heard;
+        localization.observe(&model, *odometry, &[is_heard.then_some(scan_m.as_slice())]);
+        probabilities(&model, localization.belief(&model).0)
+    })
+}
+
+#[test]
+fn of_a_scan_counts_what_the_last_one_has_not_told() {
+    let correlated = |in_place: f64, length_m: f64| Some(ErrorCorrelation { in_place, length_m });
+    let [first, alike] = after_two_scans(None, true);
+    let [_, unheard] = after_two_scans(None, false);
+    let differ = total_variation(&alike, &unheard);
+    assert!(differ > 0.2, "{differ}");
+    // The first scan counts in full however errors are correlated, and so does one whose errors are its own.
+    for correlation in [correlated(1.0, 1000.0), correlated(0.5, 1.0), correlated(1.0, 1e-3)] {
+        assert!(total_variation(&after_two_scans(correlation, true)[0], &first) < 1e-9);
+    }
+    assert!(total_variation(&after_two_scans(correlated(1.0, 1e-3), true)[1], &alike) < 1e-5);
+    // The same errors once more tell nothing.
+    assert!(total_variation(&after_two_scans(correlated(1.0, 1000.0), true)[1], &unheard) < 0.01);
+    // What errs in part alike tells less, the less the nearer it is.
+    let told = |length_m: f64| total_variation(&after_two_scans(correlated(0.8, length_m), true)[1], &unheard);
+    let (near, far) = (told(100.0), told(0.5));
+    assert!(0.05 * differ < near && near < 0.8 * far && far < 0.98 * differ, "{near} {far} {differ}");
+}
