@@ -30,6 +30,8 @@ pub(super) struct ExpectedBins {
     /// Which cells can be stood in; of the others nothing is known.
     ground: Arc<Ground>,
     directions: usize,
+    /// Cosine and sine of each direction.
+    along: Vec<(f64, f64)>,
     /// Rays from the middle of a cone to its edge.
     half_cone: usize,
     max_range_m: f64,
@@ -54,6 +56,7 @@ impl ExpectedBins {
             grid: grid.clone(),
             ground: ground.clone(),
             directions,
+            along: (0..directions).map(|direction| direction_of(direction, directions)).collect(),
             half_cone: directions * beam.cone_deg as usize / 720,
             max_range_m: beam.max_range_m,
             mount_radius_m: beam.mount_radius_m,
@@ -88,12 +91,11 @@ impl ExpectedBins {
         let in_cone = self.directions - self.half_cone..=self.directions + self.half_cone;
         let rays =
             in_cone.map(|step| (direction + step) % self.directions).filter(|ray| ray.is_multiple_of(self.stride()));
-        let bin = |ray: usize| {
-            let way_m =
-                distances.cast_m(centre, direction_of(ray, self.directions), self.max_range_m + self.mount_radius_m);
-            sensor::bin(way_m - self.mount_radius_m, self.max_range_m)
-        };
-        rays.map(bin).min().unwrap_or(NO_ECHO)
+        // None needs to go farther than the nearest surface before it.
+        let nearest_m = rays.fold(self.max_range_m + self.mount_radius_m, |nearest_m, ray| {
+            f64::min(nearest_m, distances.cast_m(centre, self.along[ray], nearest_m))
+        });
+        sensor::bin(nearest_m - self.mount_radius_m, self.max_range_m)
     }
 
     /// Expected bins of one tile; computed if nobody asked before, which takes a millisecond.
@@ -125,7 +127,7 @@ impl ExpectedBins {
         // After the last ones the first ones come once more, as many as a cone has.
         let mut rays = vec![[NO_ECHO; TILE]; count + 2 * self.half_cone / self.stride()];
         for (number, bins) in rays[..count].iter_mut().enumerate() {
-            let ray = direction_of(number * self.stride(), self.directions);
+            let ray = self.along[number * self.stride()];
             let bin = |range_m: f64| sensor::bin(range_m - self.mount_radius_m, self.max_range_m);
             self.sweeps.sweep(&points, ray, self.max_range_m + self.mount_radius_m, bin, |cell, bin| bins[cell] = bin);
         }

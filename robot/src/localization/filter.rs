@@ -9,7 +9,6 @@ use super::parameters::{LocalizationParameters, Spread};
 use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
-use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
