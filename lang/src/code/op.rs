@@ -54,7 +54,8 @@ pub enum Op {
     AddProduct(Reg, Reg, Reg, Reg),
     /// `r0 := r1 − r2 · r3` in the same way
     SubProduct(Reg, Reg, Reg, Reg),
-    /// return `r0 + r1`, if both are floats or integers; else go on with the sum and the return that follow, which know more
+    /// return `r0 + r1`, if both are floats or integers; else go on with the sum and the return that follow, which know
+    /// more
     ReturnAdd(Reg, Reg),
     /// return `r0 + integer` in the same way
     ReturnAddInt(Reg, i16),

@@ -20,8 +20,8 @@ const LEAST_SHARE: f64 = 1e-3;
 const MOST_TILES: usize = 1024;
 
 impl Belief {
-    /// Eq. (2) after Eq. (1) for a motion: as [`Belief::sense_weighed`], and where the scans do not fit, the odometry may have
-    /// been wrong.
+    /// Eq. (2) after Eq. (1) for a motion: as [`Belief::sense_weighed`], and where the scans do not fit, the odometry
+    /// may have been wrong.
     ///
     /// The error of the odometry is a mixture of a normal one, a jump of the heading and a way in the other direction,
     /// and so is the belief: each part has its share by Bayes' rule, the prior one times the evidence of the scans. The

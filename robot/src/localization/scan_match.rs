@@ -76,8 +76,8 @@ impl LocalizationModel {
     /// full 3D motion estimation", 2011, match scans to a grid map) finds where inside it the robot is.
     /// A surface is the line through the ends of the ray and of two beside it, because the cells of a wall that is not
     /// along the grid are a stair. Each difference is taken across it and weighted by Geman and McClure's kernel, so
-    /// that people and furniture count for little, and tempered as the scan is, to the same power. The prior is the last pose found
-    /// this way, carried on by odometry, as long as the mode is near it and odometry is never badly wrong;
+    /// that people and furniture count for little, and tempered as the scan is, to the same power. The prior is the last
+    /// pose found this way, carried on by odometry, as long as the mode is near it and odometry is never badly wrong;
     /// else the mode. Along a bare wall it alone tells. Costs twelve rays for each beam.
     pub(super) fn matched(
         &self,

@@ -99,7 +99,8 @@ impl Table {
         self.index.find(key.hash, is_there).map(|&place| place as usize)
     }
 
-    /// The entry that was found last, if it is that of a key: the same integer, or the same string and not only an equal one.
+    /// The entry that was found last, if it is that of a key: the same integer, or the same string and not only an equal
+    /// one.
     #[inline]
     pub(super) fn last_mut(&mut self, of: &Value) -> Option<&mut Entry> {
         let entry = self.entries.get_mut(self.last as usize)?;

@@ -268,7 +268,8 @@ impl Machine {
                         }
                     }};
                 }
-                // Leaves the frame with a value, if there is one and a frame behind; if not, the two instructions behind it do so.
+                // Leaves the frame with a value, if there is one and a frame to go back to; if not, the two instructions
+                // behind this one do so.
                 macro_rules! return_at_once {
                     ($value:expr) => {{
                         if !STEPPING
