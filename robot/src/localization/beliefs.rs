@@ -299,3 +299,37 @@ fn in_turn(scans: &[BinnedScan], updates: u64) -> Vec<BinnedScan> {
     let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);
     scans.iter().map(|scan| scan.iter().enumerate().map(beam).collect()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::localization::{LocalizationParameters, ScanParameters};
+    use crate::occupancy::{Cell, OccupancyGrid};
+
+    #[test]
+    fn the_coarse_belief_does_not_take_over_where_readings_that_go_past_people_bear_the_pose_out() {
+        let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 60, 40, Cell::Free);
+        (0..40).for_each(|row| map.set(59, row, Cell::Occupied));
+        let sensors = vec![ScanParameters::default()];
+        let model = LocalizationParameters { cell_m: 0.2, angle_step_deg: 5, sensors, ..Default::default() };
+        let model = LocalizationModel::new(&map, model).expect("it is a map");
+        let coarse_model = model.watch.as_ref().expect("a coarse belief watches");
+        let pose_in_map = Pose::new(2.0, 2.0, 0.0);
+        let fine = Belief::around(&model, pose_in_map, Spread::default());
+        let mut coarse = Belief::around(coarse_model, pose_in_map, Spread::default());
+        // It gives the pose about 0.3, less than half of what the fine one does.
+        coarse.mix(coarse_model, 0.7);
+        let agreed = |support_nats: f64| {
+            let (mode, watcher) = (fine.mode(&model), Some(Watcher::awake(coarse.clone())));
+            let fine = fine.clone();
+            let mut beliefs = Beliefs { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0, support_nats };
+            beliefs.settle(&model);
+            (beliefs.mode.mass > 0.9).then_some(beliefs.agreed)
+        };
+        assert_eq!(agreed(0.0), None);
+        // Bayes' rule: odds of 3 to 7 become 11 times as much.
+        let agreed = agreed(2.4).expect("the fine belief leads on");
+        assert!((0.8..0.9).contains(&agreed), "{agreed}");
+    }
+}

@@ -161,6 +161,28 @@ mod tests {
     }
 
     #[test]
+    fn what_was_found_last_is_no_longer_there_once_it_is_removed() {
+        let mut heap = Heap::new();
+        let made = heap.table();
+        let Value::Table(table) = made else { unreachable!("a table was made") };
+        let (text, number) = (heap.string("key"), Value::Int(7));
+        for of in [text, number] {
+            assert!(heap.set_atom_entry(&made, &of, &Value::Nil));
+        }
+        for (of, other) in [(text, number), (number, text)] {
+            assert_eq!(heap.atom_entry(&made, &of), Some(Some(&Value::Nil)));
+            let key = small_key(&heap, of);
+            assert!(heap.remove_entry(table, &key));
+            // The other one stands in its place.
+            assert!(heap.set_atom_entry(&made, &of, &Value::True));
+            assert_eq!(heap.atom_entry(&made, &other).flatten(), Some(&Value::Nil));
+            assert_eq!(heap.atom_entry(&made, &of).flatten(), Some(&Value::True));
+            assert!(heap.set_atom_entry(&made, &of, &Value::Nil));
+            assert_eq!(heap.tables[table].len(), 2);
+        }
+    }
+
+    #[test]
     fn a_table_that_was_read_finds_its_entries() {
         let mut heap = Heap::new();
         let Value::Table(table) = heap.table() else { unreachable!("a table was made") };
