@@ -208,7 +208,7 @@ fn sight<H, M: Module>(robot: &OfficeRobot<H, M>, robot_in_map: Option<Pose>) ->
 }
 
 fn is_lost<H, M: Module>(robot: &OfficeRobot<H, M>) -> bool {
-    robot.estimate().certainty <= robot.model().settings.active.certainty
+    robot.tracking() <= robot.model().settings.active.certainty
 }
 
 fn belief<H, M: Module>(robot: &OfficeRobot<H, M>) -> Option<PositionBelief> {

@@ -68,7 +68,7 @@ pub struct ActiveLocalization {
 }
 
 impl ActiveLocalization {
-    /// Starts; resets the belief for relocalization if its certainty is at or below the limit.
+    /// Starts; resets the belief for relocalization if the position is lost.
     pub fn start(
         model: &LocalizationModel,
         localization: &mut Localization,
@@ -76,7 +76,7 @@ impl ActiveLocalization {
         time_us: u64,
         parameters: ActiveParameters,
     ) -> Self {
-        if localization.estimate(model).certainty <= parameters.certainty {
+        if localization.tracking(model) <= parameters.certainty {
             localization.reset_for_relocalization(model);
         }
         Self {

@@ -52,7 +52,7 @@ pub struct ActiveParameters {
     pub concentrated_mass: f64,
     /// ... or after this way.
     pub max_wander_m: f64,
-    /// The pose is lost when the certainty is at or below this.
+    /// The pose is lost when the probability that dead reckoning has led on from the last known one is at or below this.
     pub certainty: f64,
     /// A lost pose is known again when the certainty exceeds this ...
     ///

@@ -420,14 +420,15 @@ impl Belief {
     /// # Deviation
     /// After the scans a share of the uniform distribution is mixed in.
     pub(super) fn sense(&mut self, model: &LocalizationModel, scans: &[BinnedScan]) -> f64 {
-        self.sense_weighed(model, scans, |_| Weighing::USUAL)
+        self.sense_weighed(model, scans, model.parameters.mixing, |_| Weighing::USUAL)
     }
 
-    /// The same with the scan of each sensor weighed in a way of its own.
+    /// The same with the scan of each sensor weighed in a way of its own, and another share of the uniform distribution.
     pub(super) fn sense_weighed(
         &mut self,
         model: &LocalizationModel,
         scans: &[BinnedScan],
+        mixed: f64,
         weighing: impl Fn(usize) -> Weighing,
     ) -> f64 {
         let readings = |scan: &BinnedScan| -> Vec<(usize, u8)> {
@@ -443,7 +444,7 @@ impl Belief {
         for (sensor, readings) in heard {
             fit += self.sense_scan(model, sensor, &readings, weighing(sensor), 0.0);
         }
-        fit + self.sense_scan(model, last, &readings, weighing(last), model.parameters.mixing)
+        fit + self.sense_scan(model, last, &readings, weighing(last), mixed)
     }
 
     /// Eq. (2) for the readings of one sensor; `mixed` is the share of the uniform distribution.

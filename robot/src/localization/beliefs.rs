@@ -5,9 +5,10 @@ use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
 use super::parameters::Spread;
+use super::scan_match::Fix;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
-use super::summary::Maximum;
+use super::summary::{Maximum, NEAR_M, NEAR_RAD};
 use super::watcher::{ASSURED, Update, Watcher};
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,14 @@ const LED_ACTIVITY: f64 = 2.0;
 
 /// With more of the fine belief asleep than this, it knows too little to lead.
 const MOST_ASLEEP: f64 = 0.5;
+
+/// Dead reckoning may have led the robot so many standard deviations away from the mode; the mode itself may be off by
+/// two of them.
+const REACH_SIGMAS: f64 = 4.0;
+
+/// The widest normal distribution that has [`ASSURED`] of its mass within 0.5 m (3.03 standard deviations, by Rayleigh's
+/// distribution), and within 15° (2.58).
+const JUST_ASSURED: Spread = Spread { position_m: NEAR_M / 3.03, heading_rad: NEAR_RAD / 2.58 };
 
 /// The scan of one sensor as it is heard.
 #[derive(Clone, Debug)]
@@ -57,6 +66,10 @@ pub(super) struct Beliefs {
     /// What the coarse one gives the mode of the fine one: as much as it ever does if it sleeps, 1 if it leads or none
     /// watches.
     pub agreed: f64,
+    /// How well dead reckoning alone knows the pose, since the belief was last assured of it; none since it was given up.
+    reckoned: Option<Fix>,
+    /// Probability of the poses that dead reckoning may have led to: at least that of the mode.
+    pub held: f64,
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
     /// around.
     support_nats: f64,
@@ -85,7 +98,8 @@ impl Beliefs {
 
     fn of(model: &LocalizationModel, fine: Belief, watcher: Option<Watcher>) -> Self {
         let mode = fine.mode(model);
-        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0, support_nats: 0.0 };
+        let (agreed, reckoned, held, support_nats) = (1.0, None, mode.mass, 0.0);
+        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed, reckoned, held, support_nats };
         beliefs.settle(model);
         beliefs
     }
@@ -156,6 +170,7 @@ impl Beliefs {
         {
             coarse.advance(coarse_model, motion);
         }
+        self.reckoned = self.reckoned.map(|fix| fix.advanced(motion, &model.parameters.odometry));
     }
 
     /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before. `support_nats` is how far the
@@ -183,8 +198,9 @@ impl Beliefs {
         let (whole, gated): (Vec<BinnedScan>, Vec<BinnedScan>) =
             heard.into_iter().map(|heard| (heard.whole, heard.gated)).unzip();
         let from_in_map = self.mode.pose_in_map;
+        let told = if self.is_led_by_coarse { 1.0 } else { model.told(from_in_map.compose(motion), &whole) };
         if !self.is_led_by_coarse {
-            self.fine.sense_after_motion(model, motion, &gated, &counted);
+            self.fine.sense_after_motion(model, motion, &gated, told * model.parameters.mixing, &counted);
             self.mode = self.fine.mode(model);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
@@ -201,7 +217,8 @@ impl Beliefs {
             let mode_in_map = self.mode.pose_in_map;
             // What is left out counts here as well: it may tell of a wrong pose.
             let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &whole) };
-            let update = Update { from_in_map, motion, scans, weighings, sightings: Vec::new() };
+            let mixed = told * coarse_model.parameters.mixing;
+            let update = Update { from_in_map, motion, scans, weighings, mixed, sightings: Vec::new() };
             watcher.hear(coarse_model, update, misfit);
         }
         self.decide(model);
@@ -219,7 +236,7 @@ impl Beliefs {
 
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
-        self.support_nats = 0.0;
+        (self.support_nats, self.reckoned) = (0.0, None);
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
             watcher.disagree();
@@ -237,6 +254,14 @@ impl Beliefs {
         self.decide(model);
     }
 
+    /// How far from the mode dead reckoning may have led, in metres and in the heading.
+    fn reach(&self) -> [f64; 2] {
+        let spread = self.reckoned.map(|fix| fix.spread());
+        spread.map_or([NEAR_M, NEAR_RAD], |Spread { position_m, heading_rad }| {
+            [NEAR_M.max(REACH_SIGMAS * position_m), NEAR_RAD.max(REACH_SIGMAS * heading_rad)]
+        })
+    }
+
     /// Finds who leads: the fine belief, unless much of it sleeps or the coarse one disagrees. As soon as little enough
     /// may be true, the fine belief is made of the coarse one.
     ///
@@ -244,12 +269,20 @@ impl Beliefs {
     /// a ratio of likelihoods). People who walk along are heard again and again, and where some other pose has walls
     /// there, it gains by each scan; the readings that go past them are those that can tell.
     fn decide(&mut self, model: &LocalizationModel) {
+        if self.mode.mass >= ASSURED {
+            self.reckoned = Some(Fix::around(self.mode.pose_in_map, JUST_ASSURED));
+        }
+        let [reach_m, reach_rad] = self.reach();
+        self.held = match self.is_led_by_coarse || self.mode.mass >= ASSURED || self.reckoned.is_none() {
+            true => self.mode.mass,
+            false => self.fine.awake_within(model, self.mode.pose_in_map, reach_m, reach_rad).max(self.mode.mass),
+        };
         let (Some(watcher), Some(coarse_model), Some(watch)) =
             (&mut self.watcher, &model.watch, &model.parameters.watch)
         else {
             return;
         };
-        let is_assured = self.mode.mass >= ASSURED;
+        let is_assured = self.held >= ASSURED;
         if !is_assured || self.fine.is_adrift(model) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
         }
@@ -259,18 +292,20 @@ impl Beliefs {
         };
         let ratio = libm::exp(self.support_nats);
         let agreement = |mode: &Maximum| {
-            let mass = coarse.mass_within(coarse_model, mode.pose_in_map, watch.near_m, watch.near_rad);
+            let near = [watch.near_m + reach_m - NEAR_M, watch.near_rad + reach_rad - NEAR_RAD];
+            let mass = coarse.mass_within(coarse_model, mode.pose_in_map, near[0], near[1]);
             ratio * mass / (1.0 + (ratio - 1.0) * mass)
         };
         if !self.is_led_by_coarse {
             self.agreed = agreement(&self.mode);
-            let agrees = self.agreed >= watch.agreement * self.mode.mass;
+            let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
                 watcher.agree(is_assured && self.agreed >= ASSURED);
                 return;
             }
         }
+        self.reckoned = None;
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);
@@ -283,6 +318,7 @@ impl Beliefs {
             self.mode = self.fine.mode(model);
             self.agreed = agreement(&self.mode);
         }
+        self.held = self.mode.mass;
         watcher.disagree();
     }
 }

@@ -290,9 +290,19 @@ impl Localization {
     /// Where the robot is; costs nothing, the mode is found at each update.
     pub fn estimate(&self, model: &LocalizationModel) -> Estimate {
         let pose_in_map = self.beliefs.mode.pose_in_map.compose(self.since_update());
-        let share = self.beliefs.mode.mass.min(self.beliefs.agreed);
-        let calibration = model.parameters.calibration.as_ref();
-        Estimate { pose_in_map, certainty: calibration.map_or(share, |calibration| calibration.certainty(share)) }
+        let sharp = (self.beliefs.mode.mass / self.beliefs.held).min(1.0);
+        Estimate { pose_in_map, certainty: sharp * self.tracking(model) }
+    }
+
+    /// Probability that dead reckoning has led the robot on from where it was known: low where scans speak for another
+    /// place, and not where they say nothing. It is at least the certainty.
+    ///
+    /// # Deviation
+    /// The papers take a robot for lost when its certainty is low. But where nothing is in reach of its sensors a robot
+    /// gets uncertain as its odometry strays, and nothing speaks against the pose.
+    pub fn tracking(&self, model: &LocalizationModel) -> f64 {
+        let share = self.beliefs.held.min(self.beliefs.agreed);
+        model.parameters.calibration.as_ref().map_or(share, |calibration| calibration.certainty(share))
     }
 
     /// How often the belief was updated.

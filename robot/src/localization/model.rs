@@ -6,7 +6,7 @@ use super::ground::Ground;
 use super::kernel::MAX_BEAMS;
 use super::parameters::LocalizationParameters;
 use super::scan::{ScanModel, SeenMap, Weighing};
-use super::sensor::BinnedScan;
+use super::sensor::{BinnedScan, NO_ECHO};
 use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
@@ -207,6 +207,22 @@ impl LocalizationModel {
             }
         }
         Some(misfit)
+    }
+
+    /// Share of the readings of some scans that tell anything of a pose: an echo was heard, or is expected. All do where
+    /// nobody can stand.
+    pub(super) fn told(&self, pose_in_map: Pose, scans: &[BinnedScan]) -> f64 {
+        let state = self.state_at(pose_in_map).filter(|state| self.is_admissible(state.column, state.row));
+        let Some(state) = state else { return 1.0 };
+        let (mut told, mut read) = (0, 0);
+        for (sensor, scan) in scans.iter().enumerate() {
+            for (measured, expected) in scan.iter().zip(self.expected_scan(sensor, state)) {
+                let Some(measured) = *measured else { continue };
+                read += 1;
+                told += usize::from(measured != NO_ECHO || expected != NO_ECHO);
+            }
+        }
+        told as f64 / read.max(1) as f64
     }
 
     /// The state around a pose, if it is on the grid.

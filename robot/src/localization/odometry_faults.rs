@@ -31,9 +31,10 @@ impl Belief {
         model: &LocalizationModel,
         motion: Pose,
         scans: &[BinnedScan],
+        mixed: f64,
         weighings: &[Weighing],
     ) {
-        let sense = |belief: &mut Self| belief.sense_weighed(model, scans, |sensor| weighings[sensor]);
+        let sense = |belief: &mut Self| belief.sense_weighed(model, scans, mixed, |sensor| weighings[sensor]);
         let is_localized = |_: &&OdometryFaults| self.tiles().count() <= MOST_TILES;
         let Some(faults) = model.parameters.faults.as_ref().filter(is_localized) else {
             sense(self);

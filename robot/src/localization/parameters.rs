@@ -3,7 +3,7 @@
 use super::calibration::Calibration;
 use super::error::ModelError;
 use super::scan_parameters::{BeamParameters, ErrorCorrelation, ScanParameters};
-use crate::description::RobotDescription;
+use crate::description::{OdometryDrift, RobotDescription};
 use crate::sensors::RangeSensor;
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ impl LocalizationParameters {
             centred: true,
             clearance_m: 0.15,
             sensors: ScanParameters::of(robot),
-            odometry: OdometryError::default(),
+            odometry: OdometryError::of(&robot.odometry),
             faults: None,
             mixing: 5e-4,
             watch: Some(Watch::default()),
@@ -296,12 +296,42 @@ impl Default for OdometryFaults {
 }
 
 impl Default for OdometryError {
+    /// That of the papers' robot.
     fn default() -> Self {
+        Self::of(&RobotDescription::papers().odometry)
+    }
+}
+
+/// Odometry errs by more than its description says: steps of the grid, and floors that it was not measured on.
+const ODOMETRY_SLACK: f64 = 1.1;
+
+/// A constant error is as far off after this way as a random one that is set right so often: what it adds to the variance
+/// grows with the square of the way, and here it is to grow with the way.
+const BIAS_WAY_M: f64 = 10.0;
+
+/// The same for turns.
+const BIAS_TURN_RAD: f64 = std::f64::consts::TAU;
+
+/// No odometry is taken to be better than this.
+const LEAST_ERROR: OdometryError = OdometryError {
+    forward_m: 0.03,
+    sideward_m: 0.015,
+    turn_per_metre_rad: 0.8 / 180.0 * std::f64::consts::PI,
+    turn_per_radian_rad: 1.5 / 180.0 * std::f64::consts::PI,
+};
+
+impl OdometryError {
+    /// What odometry of a robot strays by: its random errors, and the constant ones as if they were random.
+    pub fn of(drift: &OdometryDrift) -> Self {
+        let error = |noise: f64, bias: f64, way: f64| ODOMETRY_SLACK * libm::sqrt(noise * noise + bias * bias * way);
+        let forward_m = error(drift.translation_noise_m_per_sqrt_m, drift.translation_bias, BIAS_WAY_M);
+        let per_metre_rad = error(drift.rotation_noise_rad_per_sqrt_m, drift.heading_bias_radpm, BIAS_WAY_M);
+        let per_radian_rad = error(drift.rotation_noise_rad_per_sqrt_rad, drift.rotation_bias, BIAS_TURN_RAD);
         Self {
-            forward_m: 0.06,
-            sideward_m: 0.03,
-            turn_per_metre_rad: 1.5f64.to_radians(),
-            turn_per_radian_rad: 3f64.to_radians(),
+            forward_m: forward_m.max(LEAST_ERROR.forward_m),
+            sideward_m: (forward_m / 2.0).max(LEAST_ERROR.sideward_m),
+            turn_per_metre_rad: per_metre_rad.max(LEAST_ERROR.turn_per_metre_rad),
+            turn_per_radian_rad: per_radian_rad.max(LEAST_ERROR.turn_per_radian_rad),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The pose below the size of a cell: where a scan of rays fits the map best.
 
 use super::model::LocalizationModel;
-use super::parameters::OdometryError;
+use super::parameters::{OdometryError, Spread};
 use super::scan::ScanModel;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::occupancy::DistanceField;
@@ -40,6 +40,21 @@ pub(super) struct Fix {
 }
 
 impl Fix {
+    /// A pose that is known so well.
+    pub(super) fn around(pose_in_map: Pose, spread: Spread) -> Self {
+        let square = |error: f64| error * error;
+        let position = square(spread.position_m);
+        let variances = Vector3::new(position, position, square(spread.heading_rad));
+        Self { pose_in_map, covariance: Matrix3::from_diagonal(&variances).into() }
+    }
+
+    /// How well the pose is known: in the direction in which it is known worst, and in the heading.
+    pub(super) fn spread(&self) -> Spread {
+        let [[xx, yx, _], [_, yy, _], [_, _, heading]] = self.covariance;
+        let (mean, half) = ((xx + yy) / 2.0, libm::hypot((xx - yy) / 2.0, yx));
+        Spread { position_m: libm::sqrt(mean + half), heading_rad: libm::sqrt(heading) }
+    }
+
     /// Carried on by a motion, whose error adds to its own.
     pub(super) fn advanced(self, motion: Pose, error: &OdometryError) -> Self {
         let before = self.pose_in_map;
@@ -113,9 +128,7 @@ impl LocalizationModel {
     /// What is known before the scans: the mode, to a cell, though the mean around it is known to half of one: the
     /// belief has heard these scans, and what they say is not to count twice.
     fn mode_fix(&self, mode_in_map: Pose) -> Fix {
-        let [place, heading] = [self.grid.cell_m, self.grid.angle_step_rad()];
-        let variances = Vector3::new(place * place, place * place, heading * heading);
-        Fix { pose_in_map: mode_in_map, covariance: Matrix3::from_diagonal(&variances).into() }
+        Fix::around(mode_in_map, Spread { position_m: self.grid.cell_m, heading_rad: self.grid.angle_step_rad() })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What others want to know of a belief: its mode, its maxima, its entropy, its picture.
 
 use super::belief::Belief;
-use super::grid::Place;
+use super::grid::{Place, TILE_EDGE};
 use super::model::LocalizationModel;
 use super::plane::Plane;
 use super::tile::Tile;
@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Poses nearer than this, and than [`NEAR_RAD`], count as one: for the certainty, and for maxima.
-const NEAR_M: f64 = 0.5;
+pub(super) const NEAR_M: f64 = 0.5;
 
 /// See [`NEAR_M`].
-const NEAR_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+pub(super) const NEAR_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
 
 /// The neighbourhood a maximum is refined in.
 const REFINE_M: f64 = 0.35;
@@ -109,6 +109,32 @@ impl Belief {
         let mut mass = 0.0;
         self.visit_near(model, pose_in_map, radius_m, angle_rad, |_, _, value| mass += value);
         mass
+    }
+
+    /// The same of what is awake, however wide. O(states that are awake).
+    pub(super) fn awake_within(&self, model: &LocalizationModel, pose: Pose, radius_m: f64, angle_rad: f64) -> f64 {
+        let grid = &model.grid;
+        let (column, row) = grid.fractional(pose.point());
+        let reach = radius_m / grid.cell_m;
+        let of_plane = |(heading, plane): (usize, &Plane)| -> f64 {
+            let away_rad = wrap_angle_rad(self.heading_rad(model, heading) - pose.heading_rad);
+            if libm::fabs(away_rad) > angle_rad + 1e-9 {
+                return 0.0;
+            }
+            let [dx, dy] = plane.offset_cells;
+            let of_tile = |tile: &Tile| -> f64 {
+                let Some(ground) = model.ground.tile(tile.number) else { return 0.0 };
+                let [first_column, first_row] = grid.column_and_row(Place { tile: tile.number as usize, cell: 0 });
+                let is_near = |cell: &usize| {
+                    let x = (first_column + (cell % TILE_EDGE) as i64) as f64 + dx - column;
+                    let y = (first_row + (cell / TILE_EDGE) as i64) as f64 + dy - row;
+                    x * x + y * y <= reach * reach + 1e-9
+                };
+                ground.free().filter(is_near).map(|cell| self.value(tile.cells[cell])).sum()
+            };
+            plane.tiles.iter().map(of_tile).sum()
+        };
+        self.planes.iter().enumerate().map(of_plane).sum()
     }
 
     /// Calls `visit` with position, heading relative to the pose's, and probability of every

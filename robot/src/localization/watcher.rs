@@ -38,6 +38,8 @@ pub(super) struct Update {
     pub scans: Vec<BinnedScan>,
     /// How each of them is weighed.
     pub weighings: Vec<Weighing>,
+    /// Share of the uniform distribution that is mixed in after them.
+    pub mixed: f64,
     /// Landmarks seen after it.
     pub sightings: Vec<LandmarkSighting>,
 }
@@ -46,12 +48,12 @@ impl Update {
     /// Without motion and scans.
     fn at_rest(at_in_map: Pose) -> Self {
         let (motion, sightings) = (Pose::default(), Vec::new());
-        Self { from_in_map: at_in_map, motion, scans: Vec::new(), weighings: Vec::new(), sightings }
+        Self { from_in_map: at_in_map, motion, scans: Vec::new(), weighings: Vec::new(), mixed: 0.0, sightings }
     }
 
     /// Eq. (2) for its scans, after its motion.
     fn sense(&self, coarse: &LocalizationModel, belief: &mut Belief) {
-        belief.sense_weighed(coarse, &self.scans, |sensor| self.weighings[sensor]);
+        belief.sense_weighed(coarse, &self.scans, self.mixed, |sensor| self.weighings[sensor]);
     }
 
     /// All of it.

@@ -62,6 +62,14 @@ impl Position {
         }
     }
 
+    /// Probability that the position is not lost ([`Localization::tracking`]).
+    pub fn tracking(&self, map: Option<&MapModel>) -> f64 {
+        match (self.foreseen, map, &self.localization) {
+            (None, Some(map), Some(localization)) => localization.tracking(&map.localization),
+            _ => self.estimate(map).certainty,
+        }
+    }
+
     /// Dead reckoning at the end of the last step.
     pub fn odometry_in_odom(&self) -> Pose {
         self.odometry_in_odom

@@ -76,6 +76,11 @@ impl<H, M: Module> OfficeRobot<H, M> {
         self.controller.estimate()
     }
 
+    /// Probability that its position is not lost.
+    pub fn tracking(&self) -> f64 {
+        self.controller.board.position.tracking(self.model().map.as_ref())
+    }
+
     /// Where it believes itself to be, also without a map: then by its odometry from the start of the world.
     pub fn estimated_pose_in_map(&self) -> Pose {
         let Estimate { pose_in_map, .. } = self.estimate();

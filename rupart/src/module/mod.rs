@@ -252,7 +252,7 @@ impl Seen {
         };
         Self {
             robot_in_map: estimate.pose_in_map,
-            is_lost: estimate.certainty <= model.settings.active.certainty,
+            is_lost: position.tracking(model.map.as_ref()) <= model.settings.active.certainty,
             velocity: percept.map(velocity),
         }
     }

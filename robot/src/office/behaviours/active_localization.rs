@@ -66,7 +66,7 @@ impl Module for Localizing {
             behaviours: vec![BehaviourSpec {
                 name: Cow::Borrowed(NAME),
                 doc: Cow::Borrowed(
-                    "Drives to where the robot learns most about its position; gives up the belief first if the certainty is at or below 0.8. Succeeds when the position is known, fails with localization-failure after ten minutes.",
+                    "Drives to where the robot learns most about its position; gives up most of the belief first if the position is lost. Succeeds when the position is known, fails with localization-failure after ten minutes.",
                 ),
                 valve: Some(WHEELS),
                 parameters: Cow::Borrowed(""),

@@ -6,7 +6,7 @@ use crate::localization::{Estimate, ScanParameters};
 use crate::navigation::NavigationInput;
 use crate::office::functions::{act, board, look, model, pose_list};
 use crate::office::model::OfficeModel;
-use crate::office::module::{Module, ModuleSpec, Moment, Telling, continuous, fluent_number};
+use crate::office::module::{Module, ModuleSpec, Moment, Telling, continuous, fluent, fluent_number};
 use crate::office::position::Position;
 use crate::office::report::Report;
 use crate::office::words::no_map;
@@ -25,6 +25,9 @@ pub(in crate::office) const X: &str = "x*";
 /// The estimated y.
 pub(in crate::office) const Y: &str = "y*";
 
+/// Whether the position is lost.
+const LOST: &str = "position-lost*";
+
 const FLUENTS: &[FluentSpec] = &[
     continuous(X, "Estimated x, in metres, map frame."),
     continuous(Y, "Estimated y, in metres, map frame."),
@@ -33,15 +36,20 @@ const FLUENTS: &[FluentSpec] = &[
         "pos-certainty*",
         "Probability that the position is within 0.5 m and 15° of the estimate; calibrated, so that 0.8 is right four times in five.",
     ),
+    fluent(
+        LOST,
+        "Whether something speaks against the estimate: where nothing is in reach of its sensors a robot gets uncertain, and is not lost.",
+    ),
 ];
 
 const POS_CERTAINTY: usize = fluent_number(FLUENTS, "pos-certainty*");
+const POSITION_LOST: usize = fluent_number(FLUENTS, LOST);
 
 /// The state of position tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PositionTracking {
-    /// Whether the position counted as known in the last step.
-    was_certain: bool,
+    /// Whether the position was lost in the last step.
+    was_lost: bool,
 }
 
 impl Module for PositionTracking {
@@ -90,7 +98,7 @@ impl Module for PositionTracking {
     }
 
     fn new((): &(), model: &OfficeModel, _: u64) -> Self {
-        Self { was_certain: model.settings.start_known || model.map.is_none() }
+        Self { was_lost: !model.settings.start_known && model.map.is_some() }
     }
 
     /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
@@ -111,17 +119,21 @@ impl Module for PositionTracking {
     fn publish(&mut self, now: &Moment<'_>, position: &Position, tell: &mut Telling<'_>) {
         let Estimate { pose_in_map, certainty } = position.estimate(now.model.map.as_ref());
         let active = &now.model.settings.active;
-        let certain = certainty > if self.was_certain { active.certainty } else { active.found_certainty };
-        if certain != self.was_certain {
-            self.was_certain = certain;
-            tell.event(if certain { Report::PositionFound { certainty } } else { Report::PositionLost { certainty } });
+        let tracking = position.tracking(now.model.map.as_ref());
+        let is_lost = tracking <= if self.was_lost { active.found_certainty } else { active.certainty };
+        if is_lost != self.was_lost {
+            self.was_lost = is_lost;
+            tell.event(if is_lost { Report::PositionLost { certainty } } else { Report::PositionFound { certainty } });
         }
         let values = [pose_in_map.x_m, pose_in_map.y_m, pose_in_map.heading_rad, certainty];
         values.into_iter().map(Reading::Float).enumerate().for_each(|(fluent, value)| tell.fluent(fluent, value));
+        tell.fluent(POSITION_LOST, Reading::Truth(is_lost));
     }
 
     fn publish_position(&mut self, model: &OfficeModel, position: &Position, tell: &mut Telling<'_>) {
-        tell.fluent(POS_CERTAINTY, Reading::Float(position.estimate(model.map.as_ref()).certainty));
+        let map = model.map.as_ref();
+        tell.fluent(POS_CERTAINTY, Reading::Float(position.estimate(map).certainty));
+        tell.fluent(POSITION_LOST, Reading::Truth(position.tracking(map) <= model.settings.active.certainty));
     }
 }
 
