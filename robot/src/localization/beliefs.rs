@@ -1,6 +1,7 @@
 //! The fine belief, the coarse one that watches over it, and which of the two leads.
 
 use super::belief::Belief;
+use super::contest::Contest;
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
@@ -10,7 +11,7 @@ use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use super::summary::{Maximum, NEAR_M, NEAR_RAD};
 use super::watcher::{ASSURED, Update, Watcher};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 
 /// While the fine belief explains the scans, the coarse one takes in every so many-th beam, beginning with the next
@@ -31,6 +32,16 @@ const MOST_ASLEEP: f64 = 0.5;
 /// Dead reckoning may have led the robot so many standard deviations away from the mode; the mode itself may be off by
 /// two of them.
 const REACH_SIGMAS: f64 = 4.0;
+
+/// With less agreement than this it is asked whether another place explains the scans ...
+const LEAST_AGREED: f64 = 0.98;
+
+/// ... unless the fine belief holds less of the pose than this.
+const CONTESTED: f64 = 0.9;
+
+/// So many places of the coarse belief are looked at, with this much of it at the least.
+const MOST_PLACES: usize = 12;
+const LEAST_PLACE: f64 = 1e-4;
 
 /// The widest normal distribution that has [`ASSURED`] of its mass within 0.5 m (3.03 standard deviations, by Rayleigh's
 /// distribution), and within 15° (2.58).
@@ -68,6 +79,8 @@ pub(super) struct Beliefs {
     pub agreed: f64,
     /// How well dead reckoning alone knows the pose, since the belief was last assured of it; none since it was given up.
     reckoned: Option<Fix>,
+    /// The scans since then.
+    contest: Contest,
     /// Probability of the poses that dead reckoning may have led to: at least that of the mode.
     pub held: f64,
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
@@ -98,8 +111,17 @@ impl Beliefs {
 
     fn of(model: &LocalizationModel, fine: Belief, watcher: Option<Watcher>) -> Self {
         let mode = fine.mode(model);
-        let (agreed, reckoned, held, support_nats) = (1.0, None, mode.mass, 0.0);
-        let mut beliefs = Self { fine, watcher, is_led_by_coarse: false, mode, agreed, reckoned, held, support_nats };
+        let mut beliefs = Self {
+            fine,
+            watcher,
+            is_led_by_coarse: false,
+            mode,
+            agreed: 1.0,
+            reckoned: None,
+            contest: Contest::default(),
+            held: mode.mass,
+            support_nats: 0.0,
+        };
         beliefs.settle(model);
         beliefs
     }
@@ -202,6 +224,7 @@ impl Beliefs {
         if !self.is_led_by_coarse {
             self.fine.sense_after_motion(model, motion, &gated, told * model.parameters.mixing, &counted);
             self.mode = self.fine.mode(model);
+            self.contest.hear(motion, self.mode.pose_in_map, &whole);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             // Among people the fine belief hears little, and what sleeps comes to be worth θ by mixing alone.
@@ -237,6 +260,7 @@ impl Beliefs {
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
         (self.support_nats, self.reckoned) = (0.0, None);
+        self.contest.forget();
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
             watcher.disagree();
@@ -298,6 +322,20 @@ impl Beliefs {
         };
         if !self.is_led_by_coarse {
             self.agreed = agreement(&self.mode);
+            if self.agreed < LEAST_AGREED && self.held >= CONTESTED {
+                let mode_in_map = self.mode.pose_in_map;
+                let is_elsewhere = |place: &Maximum| {
+                    let turned_rad = wrap_angle_rad(place.pose_in_map.heading_rad - mode_in_map.heading_rad);
+                    place.pose_in_map.distance_m(mode_in_map) > watch.near_m || libm::fabs(turned_rad) > watch.near_rad
+                };
+                let mut places = coarse.maxima(coarse_model, MOST_PLACES, LEAST_PLACE);
+                places.retain(is_elsewhere);
+                if !places.is_empty() && !self.contest.is_won_by(model, &places) {
+                    watcher.convince(coarse_model, self.mode.pose_in_map);
+                    self.agreed = 1.0 - watch.mixing;
+                    return;
+                }
+            }
             let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
@@ -306,6 +344,7 @@ impl Beliefs {
             }
         }
         self.reckoned = None;
+        self.contest.forget();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);

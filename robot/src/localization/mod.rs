@@ -8,12 +8,13 @@
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
-//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher` and `beliefs` (fine and coarse), `gating` (which
+//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest` and `beliefs` (fine and coarse), `gating` (which
 //! readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
 
 mod belief;
 mod beliefs;
 mod calibration;
+mod contest;
 mod error;
 mod expected;
 mod filter;

@@ -1,0 +1,157 @@
+//! Whether scans of late speak for another place than the tracked one, or for a map that has aged.
+
+use super::model::LocalizationModel;
+use super::sensor::BinnedScan;
+use super::summary::Maximum;
+use crate::geometry::{Pose, wrap_angle_rad};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, VecDeque};
+
+/// So many updates are kept: what they have told of one place.
+const KEPT_UPDATES: usize = 40;
+
+/// Edge of a region of the map, of which it is one question whether it has changed.
+const REGION_M: f64 = 0.5;
+
+/// A reading that fits worse than this, in nats, needs an explanation.
+const LEAST_NATS: f64 = 2.0;
+
+/// What it costs at the most that a thing of the map is gone from a region: the negative logarithm of how often that is so.
+const GONE_NATS: f64 = 3.5;
+
+/// The same for something that stands in a region and is not in the map, furniture or people.
+const NEW_NATS: f64 = 2.3;
+
+/// Another place must explain scans better by this, in nats: a robot is seldom carried away. Chosen, not fitted.
+const CARRIED_NATS: f64 = 12.0;
+
+/// And it must leave no more than this share of what the tracked one costs: how much of the map has changed is not known,
+/// and where much has, all places cost much, and one of the wrong ones less than the right one.
+const MOST_SHARE: f64 = 0.4;
+
+/// Another place is searched for so far around a pose of the coarse grid, in cells and steps of the fine one.
+const AROUND_CELLS: i64 = 1;
+const AROUND_STEPS: i64 = 2;
+
+/// What one update had.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Heard {
+    /// As odometry told it.
+    motion: Pose,
+    /// The tracked pose after it.
+    tracked_in_map: Pose,
+    scans: Vec<BinnedScan>,
+}
+
+/// The scans of late.
+///
+/// # Deviation
+/// The papers multiply the likelihoods of all scans, as if the errors of each were its own. But where a piece of
+/// furniture was moved, all scans from around there err alike, and of two rooms that are alike the wrong one gains scan by
+/// scan. Here it is asked of each region of the map once whether it has changed, and that costs the same however often it
+/// is looked at; the test is one of generalized likelihood ratios over the time at which the robot may have been carried
+/// away (Willsky and Jones, "A generalized likelihood ratio approach to the detection and estimation of jumps in linear
+/// systems", 1976).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Contest {
+    /// The oldest first.
+    heard: VecDeque<Heard>,
+}
+
+impl Contest {
+    /// Takes in the scans of an update after a motion, and where the robot is tracked to be since.
+    pub(super) fn hear(&mut self, motion: Pose, tracked_in_map: Pose, scans: &[BinnedScan]) {
+        if self.heard.len() == KEPT_UPDATES {
+            self.heard.pop_front();
+        }
+        self.heard.push_back(Heard { motion, tracked_in_map, scans: scans.to_vec() });
+    }
+
+    /// Nothing is tracked any more.
+    pub(super) fn forget(&mut self) {
+        self.heard.clear();
+    }
+
+    /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
+    /// must have been carried there. O(updates · beams · places).
+    pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
+        let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
+        let own = self.costs(model, &tracked);
+        places.iter().any(|place| {
+            let costs = self.costs(model, &self.carried_back(self.refined(model, place.pose_in_map)));
+            own.iter().zip(costs).any(|(own, other)| own - other >= CARRIED_NATS && other <= MOST_SHARE * own)
+        })
+    }
+
+    /// The pose at each update by odometry, the last first, for one after the last.
+    fn carried_back(&self, last_in_map: Pose) -> Vec<Pose> {
+        let back = |pose_in_map: &mut Pose, heard: &Heard| {
+            let here = *pose_in_map;
+            *pose_in_map = here.compose(heard.motion.inverse());
+            Some(here)
+        };
+        self.heard.iter().rev().scan(last_in_map, back).collect()
+    }
+
+    /// The state around a pose of the coarse grid that fits the last scan best.
+    fn refined(&self, model: &LocalizationModel, coarse_in_map: Pose) -> Pose {
+        let Some(last) = self.heard.back() else { return coarse_in_map };
+        let (cell_m, step_rad) = (model.grid.cell_m, model.grid.angle_step_rad());
+        let by = |count: i64| -count..=count;
+        let around = by(AROUND_CELLS).flat_map(|x| by(AROUND_CELLS).map(move |y| (x, y)));
+        let around = around.flat_map(|(x, y)| by(AROUND_STEPS).map(move |turn| (x, y, turn)));
+        let poses = around.map(|(x, y, turn)| {
+            let [x_m, y_m] = [x, y].map(|cells| cells as f64 * cell_m);
+            let heading_rad = wrap_angle_rad(coarse_in_map.heading_rad + turn as f64 * step_rad);
+            Pose::new(coarse_in_map.x_m + x_m, coarse_in_map.y_m + y_m, heading_rad)
+        });
+        let fits = poses.filter_map(|pose| Some((pose, model.misfit(pose, &last.scans)?.nats)));
+        fits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(coarse_in_map, |(pose, _)| pose)
+    }
+
+    /// What it costs to explain the last scans, all from the last one on, the last two, and so on, at poses.
+    fn costs(&self, model: &LocalizationModel, poses: &[Pose]) -> Vec<f64> {
+        let (mut regions, mut nats) = (BTreeMap::<[i64; 2], f64>::new(), 0.0);
+        let costs = self.heard.iter().rev().zip(poses).map(|(heard, &pose)| {
+            nats += explained(model, pose, &heard.scans, &mut regions);
+            nats
+        });
+        costs.collect()
+    }
+}
+
+/// What a scan adds to what was to be explained of the regions of the map, in nats.
+fn explained(
+    model: &LocalizationModel,
+    pose_in_map: Pose,
+    scans: &[BinnedScan],
+    regions: &mut BTreeMap<[i64; 2], f64>,
+) -> f64 {
+    let state = model.state_at(pose_in_map).filter(|state| model.is_admissible(state.column, state.row));
+    // Nobody can stand there.
+    let Some(state) = state else { return CARRIED_NATS };
+    let mut added = 0.0;
+    for (sensor, (tables, scan)) in model.sensors.iter().zip(scans).enumerate() {
+        let beam = &tables.parameters.beam;
+        let expected = model.expected_scan(sensor, state);
+        for ((&measured, expected), &bearing_deg) in scan.iter().zip(expected).zip(&tables.parameters.beams_deg) {
+            let Some(measured) = measured else { continue };
+            let nats = tables.likelihood.nats(measured, expected);
+            if nats < LEAST_NATS {
+                continue;
+            }
+            let is_gone = measured > expected;
+            let most = if is_gone { GONE_NATS } else { NEW_NATS };
+            let seen = if is_gone { expected } else { measured };
+            let range_m = tables.likelihood.range_m(seen) + beam.mount_radius_m;
+            let (sin, cos) = libm::sincos(pose_in_map.heading_rad + f64::from(bearing_deg).to_radians());
+            let [x_m, y_m] = [pose_in_map.x_m + range_m * cos, pose_in_map.y_m + range_m * sin];
+            let region = [x_m, y_m].map(|along_m| libm::floor(along_m / REGION_M) as i64);
+            let told = regions.entry(region).or_default();
+            let more = nats.min(most - *told).max(0.0);
+            *told += more;
+            added += more;
+        }
+    }
+    added
+}
