@@ -6,8 +6,8 @@ use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
 use super::parameters::Spread;
-use super::scan_match::Fix;
 use super::scan::Weighing;
+use super::scan_match::Fix;
 use super::sensor::BinnedScan;
 use super::summary::{Maximum, NEAR_M, NEAR_RAD};
 use super::watcher::{ASSURED, Update, Watcher};
@@ -42,6 +42,9 @@ const CONTESTED: f64 = 0.9;
 /// So many places of the coarse belief are looked at, with this much of it at the least.
 const MOST_PLACES: usize = 12;
 const LEAST_PLACE: f64 = 1e-4;
+
+/// No share is taken to be nearer to 0 or 1 than this.
+const LEAST_ODDS: f64 = 1e-12;
 
 /// The widest normal distribution that has [`ASSURED`] of its mass within 0.5 m (3.03 standard deviations, by Rayleigh's
 /// distribution), and within 15° (2.58).
@@ -86,6 +89,8 @@ pub(super) struct Beliefs {
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
     /// around.
     support_nats: f64,
+    /// What the coarse one has heard against the mode and a contest has laid to a map that has aged, in nats.
+    dismissed_nats: f64,
 }
 
 impl Beliefs {
@@ -121,6 +126,7 @@ impl Beliefs {
             contest: Contest::default(),
             held: mode.mass,
             support_nats: 0.0,
+            dismissed_nats: 0.0,
         };
         beliefs.settle(model);
         beliefs
@@ -259,7 +265,7 @@ impl Beliefs {
 
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
-        (self.support_nats, self.reckoned) = (0.0, None);
+        (self.support_nats, self.dismissed_nats, self.reckoned) = (0.0, 0.0, None);
         self.contest.forget();
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
@@ -314,15 +320,18 @@ impl Beliefs {
             self.agreed = 1.0 - watch.mixing;
             return;
         };
-        let ratio = libm::exp(self.support_nats);
-        let agreement = |mode: &Maximum| {
+        let support_nats = self.support_nats;
+        let agreement = |mode: &Maximum, dismissed_nats: f64| {
             let near = [watch.near_m + reach_m - NEAR_M, watch.near_rad + reach_rad - NEAR_RAD];
             let mass = coarse.mass_within(coarse_model, mode.pose_in_map, near[0], near[1]);
+            let ratio = libm::exp(support_nats + dismissed_nats);
             ratio * mass / (1.0 + (ratio - 1.0) * mass)
         };
         if !self.is_led_by_coarse {
-            self.agreed = agreement(&self.mode);
-            if self.agreed < LEAST_AGREED && self.held >= CONTESTED {
+            self.agreed = agreement(&self.mode, self.dismissed_nats);
+            if agreement(&self.mode, 0.0) >= LEAST_AGREED {
+                self.dismissed_nats = 0.0;
+            } else if self.agreed < LEAST_AGREED && self.held >= CONTESTED {
                 let mode_in_map = self.mode.pose_in_map;
                 let is_elsewhere = |place: &Maximum| {
                     let turned_rad = wrap_angle_rad(place.pose_in_map.heading_rad - mode_in_map.heading_rad);
@@ -331,19 +340,20 @@ impl Beliefs {
                 let mut places = coarse.maxima(coarse_model, MOST_PLACES, LEAST_PLACE);
                 places.retain(is_elsewhere);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
-                    watcher.convince(coarse_model, self.mode.pose_in_map);
-                    self.agreed = 1.0 - watch.mixing;
-                    return;
+                    let log_odds = |share: f64| libm::log(share.max(LEAST_ODDS) / (1.0 - share).max(LEAST_ODDS));
+                    let most = 1.0 - watch.mixing;
+                    self.dismissed_nats += log_odds(most) - log_odds(self.agreed);
+                    self.agreed = most;
                 }
             }
             let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
-                watcher.agree(is_assured && self.agreed >= ASSURED);
+                watcher.agree(is_assured && self.agreed >= ASSURED && self.dismissed_nats == 0.0);
                 return;
             }
         }
-        self.reckoned = None;
+        (self.reckoned, self.dismissed_nats) = (None, 0.0);
         self.contest.forget();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
         if self.is_led_by_coarse {
@@ -355,7 +365,7 @@ impl Beliefs {
         } else {
             self.fine = Belief::resampled(model, coarse, coarse_model);
             self.mode = self.fine.mode(model);
-            self.agreed = agreement(&self.mode);
+            self.agreed = agreement(&self.mode, 0.0);
         }
         self.held = self.mode.mass;
         watcher.disagree();

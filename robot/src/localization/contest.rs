@@ -5,6 +5,7 @@ use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
 /// So many updates are kept: what they have told of one place.
@@ -147,10 +148,15 @@ fn explained(
             let (sin, cos) = libm::sincos(pose_in_map.heading_rad + f64::from(bearing_deg).to_radians());
             let [x_m, y_m] = [pose_in_map.x_m + range_m * cos, pose_in_map.y_m + range_m * sin];
             let region = [x_m, y_m].map(|along_m| libm::floor(along_m / REGION_M) as i64);
-            let told = regions.entry(region).or_default();
-            let more = nats.min(most - *told).max(0.0);
-            *told += more;
-            added += more;
+            // One reading may be an outlier, the echo of a detour.
+            match regions.entry(region) {
+                Entry::Vacant(entry) => _ = entry.insert(0.0),
+                Entry::Occupied(mut entry) => {
+                    let more = nats.min(most - *entry.get()).max(0.0);
+                    *entry.get_mut() += more;
+                    added += more;
+                }
+            }
         }
     }
     added

@@ -171,12 +171,6 @@ impl Watcher {
         self.attention = Attention::Awake { belief, agreed_updates: 0 };
     }
 
-    /// What speaks against a pose is not worth to give it up: the belief begins again there.
-    pub(super) fn convince(&mut self, coarse: &LocalizationModel, mode_in_map: Pose) {
-        *self = Self::asleep();
-        self.wake(coarse, mode_in_map);
-    }
-
     /// The fine belief was made of this one.
     pub(super) fn disagree(&mut self) {
         self.doubt_nats = 0.0;
