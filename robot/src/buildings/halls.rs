@@ -3,7 +3,7 @@
 use super::draft::{Draft, mostly_short, people};
 use super::furniture::{furnish, glaze, point_in};
 use crate::geometry::Vector;
-use crate::world::{SeenBy, Shape};
+use crate::world::{Rect, SeenBy, Shape};
 use rpl_random::Stream;
 
 pub(super) fn draw(stream: &mut Stream) -> Draft {
@@ -12,8 +12,11 @@ pub(super) fn draw(stream: &mut Stream) -> Draft {
     let floor = draft.inside();
     draft.floors.push(floor);
     for _ in 0..stream.index(7) {
-        let shape = Shape::Circle { centre: point_in(floor, stream), radius_m: stream.uniform_in(0.15, 0.5) };
-        draft.fixture("pillar", shape, SeenBy { sonar: true, laser: true });
+        let (centre, radius_m) = (point_in(floor, stream), stream.uniform_in(0.15, 0.5));
+        let reach = Vector::new(radius_m, radius_m);
+        if draft.has_room_for(Rect { min: centre - reach, max: centre + reach }, &[]) {
+            draft.fixture("pillar", Shape::Circle { centre, radius_m }, SeenBy { sonar: true, laser: true });
+        }
     }
     glaze(&mut draft, stream);
     let pieces = stream.index(7);

@@ -20,7 +20,7 @@ fn some(seeds: std::ops::Range<u64>) -> impl Iterator<Item = (BuildingKind, u64)
 #[test]
 fn a_robot_gets_to_all_places_of_every_building_by_its_map() {
     let settings = OfficeSettings::of(RobotDescription::papers());
-    for (kind, seed) in some(1..7) {
+    for (kind, seed) in some(1..4) {
         let Building { mapped, real } = building(kind, seed, Furniture::AsMapped);
         assert_eq!(mapped.places.len(), 3);
         real.room_at_start(RADIUS_M).unwrap_or_else(|taken| panic!("{}: {taken}", real.name));
@@ -76,7 +76,7 @@ fn the_same_seed_draws_the_same_building_and_others_draw_others() {
 #[test]
 fn what_becomes_of_the_furniture_changes_nothing_else() {
     let (mut moved, mut gone, mut new, mut pieces) = (0, 0, 0, 0);
-    for seed in 1..21 {
+    for seed in 1..16 {
         let as_mapped = building(BuildingKind::Flats, seed, Furniture::AsMapped);
         let Building { mapped, real } = building(BuildingKind::Flats, seed, Furniture::Rearranged);
         assert_eq!(mapped, as_mapped.mapped);
@@ -97,7 +97,7 @@ fn what_becomes_of_the_furniture_changes_nothing_else() {
         new += real.objects.iter().filter(is_new).count();
         assert!(real.objects.iter().filter(is_new).all(|object| !object.mapped));
     }
-    assert!(moved > pieces / 5 && gone > pieces / 20 && new >= 20, "{moved} moved, {gone} gone, {new} new of {pieces}");
+    assert!(moved > pieces / 5 && gone > pieces / 20 && new >= 15, "{moved} moved, {gone} gone, {new} new of {pieces}");
 }
 
 fn middle(object: &Object) -> Point {
@@ -160,8 +160,8 @@ fn a_recorded_plan_is_driven_on_as_it_is_and_gets_furniture_to_be_moved() {
 
 #[test]
 fn a_robot_that_fits_nowhere_gets_no_building() {
-    let error = Building::draw(BuildingKind::Flats, 1, 4.5, Furniture::AsMapped);
-    assert!(error.is_err_and(|error| error.to_string().contains("4.5 m around its middle")));
+    let error = Building::draw(BuildingKind::Flats, 1, 9.0, Furniture::AsMapped);
+    assert!(error.is_err_and(|error| error.to_string().contains("9 m around its middle")));
 }
 
 #[test]
