@@ -2,6 +2,7 @@
 
 mod any_kind;
 mod barn;
+mod buildings;
 mod calibration;
 mod cases;
 mod catalogue;
@@ -52,6 +53,9 @@ use rpl_robot::description::RobotDescription;
 pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> Result<Findings> {
     let experiment = EXPERIMENTS.iter().find(|known| known.name == request.name);
     let Some(experiment) = experiment else {
+        if request.maps.is_some() {
+            bail!("a plan of your own drives on a map by `--world map.yaml`; `--maps` is for `buildings`");
+        }
         return conduct(OwnPlan::new(request.clone())?, request, how, console);
     };
     let has_own_robot = matches!(
@@ -64,6 +68,9 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
     ) || experiment.rows.iter().any(Row::chooses_robot);
     if has_own_robot && request.robot.name != RobotDescription::PAPERS {
         bail!("the experiment `{}` has a robot of its own; leave `--robot` away", experiment.name);
+    }
+    if request.maps.is_some() && experiment.subject != ExperimentSubject::Buildings {
+        bail!("the experiment `{}` has worlds of its own; `--maps` is for `buildings`", experiment.name);
     }
     if request.cases.is_some() && experiment.subject != ExperimentSubject::Errands {
         bail!(
@@ -87,6 +94,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         ExperimentSubject::Barn => conduct(barn::Barn::new(asked)?, request, how, console),
         ExperimentSubject::Crowd => conduct(crowd::Crowds::new(asked)?, request, how, console),
         ExperimentSubject::Worlds => conduct(worlds::WorldDrives::new(asked)?, request, how, console),
+        ExperimentSubject::Buildings => conduct(buildings::Buildings::new(asked)?, request, how, console),
         ExperimentSubject::Doors => conduct(doors::drives(asked)?, request, how, console),
         ExperimentSubject::DriveTimes => conduct(drive_times::TimedDrives::new(asked)?, request, how, console),
         ExperimentSubject::Grains => conduct(grains::Grains::new(asked)?, request, how, console),
@@ -117,6 +125,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::Barn => barn::row_names(),
         ExperimentSubject::Crowd => crowd::row_names(),
         ExperimentSubject::Worlds => catalogue::WORLDS.to_vec(),
+        ExperimentSubject::Buildings => buildings::row_names(),
         ExperimentSubject::Doors => doors::WORLDS.to_vec(),
         ExperimentSubject::DriveTimes | ExperimentSubject::Grains => drive_times::WORLDS.to_vec(),
         ExperimentSubject::Projections => projections::row_names(),

@@ -1,6 +1,6 @@
 //! The robot, from the ground up: `geometry` and `sensors`; `description` (robots as data, read with
 //! `file_text`); `occupancy` (maps as grids, distances and
-//! rays); `world` (what stands where); `localization` (where the robot is) and `recording` (the same on
+//! rays); `world` (what stands where) and `buildings` (worlds drawn from a seed); `localization` (where the robot is) and `recording` (the same on
 //! recorded drives); `active` (how it finds out); `planning` (ways and plans); `simulator` (the robot
 //! and its world, step by step); `avoidance` (keeping off); `obstacles` (what its sensors have found);
 //! `vision` (what its camera has found); `navigation` (driving by all of these). `office` binds them to the runtime.
@@ -14,6 +14,7 @@
 
 pub mod active;
 pub mod avoidance;
+pub mod buildings;
 pub mod description;
 pub mod file_text;
 pub mod foresight;

@@ -47,6 +47,9 @@ pub struct Arguments {
     /// Only this row of the table
     #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(completion::rows))]
     row: Option<String>,
+    /// Drives on the recorded maps below this folder instead: for `buildings`
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    maps: Option<PathBuf>,
     /// What the robot of each run remembers at its start: for `rupart`, and plans of your own
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     cases: Option<PathBuf>,
@@ -184,6 +187,7 @@ impl Arguments {
             robot_name: self.robot.clone(),
             scenario: self.scenario.clone(),
             row: self.row.clone(),
+            maps: self.maps.clone(),
             cases: self.cases.clone(),
             results: self.results.clone(),
             until_us: self.until,
@@ -207,6 +211,7 @@ impl MergeArguments {
             robot_name: asked.robot,
             scenario: asked.scenario,
             row: asked.row,
+            maps: asked.maps,
             cases: asked.cases,
             results: self.results.clone(),
             until_us: asked.until_us,

@@ -27,6 +27,8 @@ pub enum ExperimentSubject {
     Crowd,
     /// Drives from anywhere to any place, world by world.
     Worlds,
+    /// Drives in buildings that are drawn from the seed, and on recorded floor plans.
+    Buildings,
     /// Deliveries on whose way a door is closed for a while, world by world.
     Doors,
     /// How long drives take, beside what is foreseen.
@@ -253,6 +255,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "office", subject: ExperimentSubject::Success, rows: &[OFFICE] },
     Experiment { name: "crowd", subject: ExperimentSubject::Crowd, rows: &[] },
     Experiment { name: "worlds", subject: ExperimentSubject::Worlds, rows: &[] },
+    Experiment { name: "buildings", subject: ExperimentSubject::Buildings, rows: &[] },
     Experiment { name: "doors", subject: ExperimentSubject::Doors, rows: &[] },
     Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
     Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },

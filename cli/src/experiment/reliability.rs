@@ -21,6 +21,25 @@ pub struct Judged {
     pub is_right: bool,
 }
 
+/// Moments of one group that are counted together, because the robot says about the same at all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counted {
+    /// What they belong to.
+    pub group: usize,
+    /// How certain it is, on average.
+    pub certainty: f64,
+    /// At how many it is right.
+    pub right: usize,
+    /// How many there are; at least one.
+    pub moments: usize,
+}
+
+impl From<Judged> for Counted {
+    fn from(Judged { group, certainty, is_right }: Judged) -> Self {
+        Self { group, certainty, right: usize::from(is_right), moments: 1 }
+    }
+}
+
 /// Some moments of about the same certainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
@@ -39,15 +58,16 @@ pub struct Bin {
 
 impl Bin {
     /// Of moments from the least certain on; there is one at least.
-    fn of(moments: &[Judged]) -> Self {
-        let count = moments.len() as f64;
-        let said = moments.iter().map(|moment| moment.certainty).sum::<f64>() / count;
-        let was = moments.iter().filter(|moment| moment.is_right).count() as f64 / count;
-        let half = 1.96 * deviation_of_share(moments, was);
-        let end = |moment: Option<&Judged>| moment.map_or(0.0, |moment| moment.certainty);
+    fn of(counts: &[Counted]) -> Self {
+        let samples = moments(counts);
+        let sum = |of: fn(&Counted) -> f64| counts.iter().map(of).sum::<f64>() / samples as f64;
+        let said = sum(|counted| counted.certainty * counted.moments as f64);
+        let was = sum(|counted| counted.right as f64);
+        let half = 1.96 * deviation_of_share(counts, was);
+        let end = |counted: Option<&Counted>| counted.map_or(0.0, |counted| counted.certainty);
         Self {
-            samples: moments.len(),
-            range: (end(moments.first()), end(moments.last())),
+            samples,
+            range: (end(counts.first()), end(counts.last())),
             said,
             was,
             interval: ((was - half).max(0.0), (was + half).min(1.0)),
@@ -61,24 +81,44 @@ impl Bin {
 }
 
 /// The bins of moments that are not sure, from the least certain on.
-pub fn bins(moments: impl IntoIterator<Item = Judged>) -> Vec<Bin> {
-    let mut unsure: Vec<Judged> = moments.into_iter().filter(|moment| moment.certainty < SURE).collect();
+pub fn bins<C: Into<Counted>>(counts: impl IntoIterator<Item = C>) -> Vec<Bin> {
+    let mut unsure: Vec<Counted> = counts.into_iter().map(C::into).filter(|counted| counted.certainty < SURE).collect();
     unsure.sort_by(|a, b| a.certainty.total_cmp(&b.certainty));
-    let size = unsure.len().div_ceil(BINS).max(1);
-    unsure.chunks(size).map(Bin::of).collect()
+    let size = moments(&unsure).div_ceil(BINS).max(1);
+    in_chunks(&unsure, size).into_iter().map(Bin::of).collect()
+}
+
+fn moments(counts: &[Counted]) -> usize {
+    counts.iter().map(|counted| counted.moments).sum()
+}
+
+/// Neighbours together, cut where the count of all moments up to there comes to the next multiple of a size.
+fn in_chunks(counts: &[Counted], size: usize) -> Vec<&[Counted]> {
+    let (mut chunks, mut first, mut count, mut next) = (Vec::new(), 0, 0, size);
+    for (at, counted) in counts.iter().enumerate() {
+        count += counted.moments;
+        if count >= next {
+            chunks.push(&counts[first..=at]);
+            (first, next) = (at + 1, (count / size + 1) * size);
+        }
+    }
+    if first < counts.len() {
+        chunks.push(&counts[first..]);
+    }
+    chunks
 }
 
 /// Standard deviation of a share, with groups as clusters: the root of the sum over groups of squared
 /// sums of residuals, by the number of moments.
-fn deviation_of_share(moments: &[Judged], share: f64) -> f64 {
-    let residual = |moment: &Judged| (moment.group, f64::from(moment.is_right) - share);
-    let mut by_group: Vec<(usize, f64)> = moments.iter().map(residual).collect();
+fn deviation_of_share(counts: &[Counted], share: f64) -> f64 {
+    let residual = |counted: &Counted| (counted.group, counted.right as f64 - share * counted.moments as f64);
+    let mut by_group: Vec<(usize, f64)> = counts.iter().map(residual).collect();
     by_group.sort_by_key(|&(group, _)| group);
     let squares: f64 = by_group
         .chunk_by(|a, b| a.0 == b.0)
         .map(|group| group.iter().map(|&(_, residual)| residual).sum::<f64>().powi(2))
         .sum();
-    squares.sqrt() / moments.len() as f64
+    squares.sqrt() / moments(counts) as f64
 }
 
 /// The largest difference between what was said and what was right, over the bins.
@@ -135,14 +175,14 @@ impl Pool {
 
 /// The knots of the monotone calibration that fits these moments best, which were judged with `used`:
 /// pools of adjacent moments that would violate the order are merged (pool adjacent violators).
-pub fn fitted(moments: impl IntoIterator<Item = Judged>, used: &Calibration) -> Vec<[f64; 2]> {
-    let share = |moment: Judged| (used.share(moment.certainty), moment.is_right);
-    let mut shares: Vec<(f64, bool)> = moments.into_iter().map(share).collect();
-    shares.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let pools = shares.chunks(GROUP).map(|group| Pool {
-        shares: group.iter().map(|&(share, _)| share).sum(),
-        right: group.iter().filter(|&&(_, is_right)| is_right).count() as f64,
-        moments: group.len() as f64,
+pub fn fitted<C: Into<Counted>>(counts: impl IntoIterator<Item = C>, used: &Calibration) -> Vec<[f64; 2]> {
+    let share = |counted: Counted| Counted { certainty: used.share(counted.certainty), ..counted };
+    let mut shares: Vec<Counted> = counts.into_iter().map(C::into).map(share).collect();
+    shares.sort_by(|a, b| a.certainty.total_cmp(&b.certainty));
+    let pools = in_chunks(&shares, GROUP).into_iter().map(|group| Pool {
+        shares: group.iter().map(|counted| counted.certainty * counted.moments as f64).sum(),
+        right: group.iter().map(|counted| counted.right as f64).sum(),
+        moments: moments(group) as f64,
     });
     let in_order = pooled(pools, |last, next| last.rate() < next.rate());
     let log_odds = |pool: Pool| (pool.rate() / (1.0 - pool.rate())).ln();
@@ -199,8 +239,29 @@ mod tests {
     fn moments_of_one_group_tell_as_much_as_one() {
         // Ten groups, right in nine: the deviation is that of ten moments, however many each group has.
         let moments = (0..1000).map(|n| Judged { group: n / 100, certainty: 0.9, is_right: n >= 100 });
-        let moments: Vec<Judged> = moments.collect();
+        let moments: Vec<Counted> = moments.map(Counted::from).collect();
         assert!((deviation_of_share(&moments, 0.9) - (0.9f64 * 0.1 / 10.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn moments_that_are_counted_together_tell_the_same_as_one_by_one() {
+        let of =
+            |group: usize, certainty: f64, right: usize, moments: usize| Counted { group, certainty, right, moments };
+        let counts = [of(0, 0.2, 30, 100), of(1, 0.2, 10, 100), of(0, 0.6, 50, 100), of(1, 0.6, 70, 100)];
+        let singly = || {
+            counts.into_iter().flat_map(|Counted { group, certainty, right, moments }| {
+                (0..moments).map(move |n| Judged { group, certainty, is_right: n < right })
+            })
+        };
+        let (together, alone) = (Bin::of(&counts), Bin::of(&singly().map(Counted::from).collect::<Vec<_>>()));
+        assert_eq!((together.samples, together.range, together.was), (alone.samples, alone.range, alone.was));
+        assert!((together.said - alone.said).abs() < 1e-12 && (together.interval.0 - alone.interval.0).abs() < 1e-12);
+        let used = Calibration::new(&[[0.2, 0.3], [0.5, 0.7], [0.95, 0.96]]);
+        let (together, alone) = (fitted(counts, &used), fitted(singly(), &used));
+        assert_eq!(together.len(), alone.len(), "{together:?} {alone:?}");
+        for (one, other) in together.iter().zip(&alone) {
+            assert!((one[0] - other[0]).abs() < 1e-9 && (one[1] - other[1]).abs() < 1e-9, "{together:?} {alone:?}");
+        }
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub struct ExperimentRequest {
     pub scenario: Option<String>,
     /// The only row of the table.
     pub row: Option<String>,
+    /// The folder of the recorded floor plans that take the place of drawn ones.
+    pub maps: Option<PathBuf>,
     /// What the robot of each run remembers at its start of driving by cases.
     pub cases: Option<PathBuf>,
     /// The folder for every run, and for charts.

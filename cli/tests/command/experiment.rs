@@ -3,6 +3,7 @@
 use crate::folder::{folder, put, text_in};
 use crate::rpl::run;
 use serde_json::Value;
+use std::path::Path;
 
 #[test]
 fn an_experiment_makes_a_table_however_many_jobs() {
@@ -82,4 +83,68 @@ fn a_door_closed_on_the_way_holds_a_delivery_up_and_no_more() {
     assert!(found.out.lines().any(|line| line.starts_with("flat ") && line.contains(" 1/1 ")), "{}", found.out);
     let unknown = run(&["experiment", "doors", "--row", "flt"]);
     assert!(unknown.errors.contains("the experiment `doors` has no row `flt`; did you mean `flat`?"));
+}
+
+#[test]
+fn buildings_are_driven_in_however_many_jobs() {
+    let folder = folder("experiment-buildings");
+    let results = folder.join("results").display().to_string();
+    let of = |jobs: &str| {
+        let row = ["experiment", "buildings", "--row", "flats/turned", "--runs", "2", "--seed", "700001"];
+        run(&[&row[..], &["--until", "3min", "--jobs", jobs, "--results", &results]].concat())
+    };
+    let found = of("1");
+    assert_eq!(found.status, 0, "{}{}", found.out, found.errors);
+    assert_eq!(found.out, of("2").out);
+    assert!(found.out.lines().any(|line| line.starts_with("flats/turned ") && line.contains("/2 ")), "{}", found.out);
+    assert!(found.out.lines().take_while(|line| !line.starts_with("share of")).all(|line| line.chars().count() <= 80));
+    let runs = text_in(&folder.join("results"), "runs.csv");
+    assert_eq!(runs.lines().filter(|line| line.starts_with("\"flats/turned\",70000")).count(), 2, "{runs}");
+}
+
+#[test]
+fn a_row_of_buildings_is_a_kind_or_a_disturbance_or_both() {
+    let unknown = run(&["experiment", "buildings", "--row", "flats/turnd"]);
+    assert_eq!(unknown.status, 2);
+    assert!(unknown.errors.contains("did you mean `flats/turned`?"), "{}", unknown.errors);
+    let doorless = run(&["experiment", "buildings", "--row", "halls/doors"]);
+    assert!(doorless.errors.contains("has no row `halls/doors`"), "{}", doorless.errors);
+}
+
+#[test]
+fn buildings_on_recorded_maps_are_rows_of_their_own() {
+    let folder = folder("experiment-maps");
+    let maps = folder.display().to_string();
+    let empty = run(&["experiment", "buildings", "--maps", &maps]);
+    assert_eq!(empty.status, 2);
+    assert!(empty.errors.contains("there is no map below"), "{}", empty.errors);
+    let absent = run(&["experiment", "buildings", "--maps", &folder.join("absent").display().to_string()]);
+    assert!(absent.status == 2 && absent.errors.contains("cannot read the folder"), "{}", absent.errors);
+    let elsewhere = run(&["experiment", "worlds", "--maps", &maps]);
+    assert!(elsewhere.errors.contains("`--maps` is for `buildings`"), "{}", elsewhere.errors);
+    put_map(&folder.join("cellar"), "map.yaml");
+    put_map(&folder, "attic.yaml");
+    let found = run(&["experiment", "buildings", "--maps", &maps, "--runs", "1", "--until", "20s", "--row", "none"]);
+    assert_eq!(found.status, 0, "{}{}", found.out, found.errors);
+    for name in ["attic ", "cellar "] {
+        assert!(found.out.lines().any(|line| line.starts_with(name)), "{}", found.out);
+    }
+}
+
+/// A map of a room of 12 by 10 m with a wall that half divides it.
+fn put_map(folder: &Path, yaml: &str) {
+    std::fs::create_dir_all(folder).expect("the folder can be made");
+    let (columns, rows) = (120, 100);
+    let mut image = format!("P5\n{columns} {rows}\n255\n").into_bytes();
+    for row in 0..rows {
+        for column in 0..columns {
+            let is_wall = row < 2 || row >= rows - 2 || column < 2 || column >= columns - 2;
+            let divides = (68..71).contains(&column) && row < 60;
+            image.push(if is_wall || divides { 0 } else { 254 });
+        }
+    }
+    put(folder, "floor.pgm", image);
+    let text = "image: floor.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
+                free_thresh: 0.196\n";
+    put(folder, yaml, text);
 }

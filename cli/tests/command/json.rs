@@ -102,6 +102,8 @@ fn experiments_of_other_kinds_are_as_documented() {
     assert_documented("rpl experiment sensing", &[sensing]);
     let crowd: &[&str] = &["experiment", "crowd", "--row", "20 people", "--runs", "1", "--until", "20s", "--json"];
     assert_documented("rpl experiment crowd", &[crowd]);
+    let buildings: &[&str] = &["experiment", "buildings", "--row", "flats", "--runs", "1", "--until", "20s", "--json"];
+    assert_documented("rpl experiment buildings", &[buildings]);
     let choices: &[&str] = &["experiment", "choices", "--row", "turned by 180°", "--runs", "1", "--json"];
     assert_documented("rpl experiment choices", &[choices]);
     let projections: &[&str] = &["experiment", "projections", "--row", "fetch", "--runs", "1", "--json"];

@@ -199,6 +199,19 @@ impl OdometryDrift {
         rotation_bias: 0.0,
         heading_bias_radpm: 0.0,
     };
+
+    /// Every error so many times as large.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            translation_noise_m_per_sqrt_m: factor * self.translation_noise_m_per_sqrt_m,
+            rotation_noise_rad_per_sqrt_rad: factor * self.rotation_noise_rad_per_sqrt_rad,
+            rotation_noise_rad_per_sqrt_m: factor * self.rotation_noise_rad_per_sqrt_m,
+            translation_bias: factor * self.translation_bias,
+            rotation_bias: factor * self.rotation_bias,
+            heading_bias_radpm: factor * self.heading_bias_radpm,
+        }
+    }
 }
 
 impl RobotDescription {

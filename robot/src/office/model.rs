@@ -206,6 +206,14 @@ impl OfficeModel {
         self.known.get_or_init(known).clone()
     }
 
+    /// The same robot with the same map in a world that has changed since it was mapped, simulated as another robot of
+    /// the same body and sensors, such as one whose wheels slip: it knows nothing of either.
+    #[must_use]
+    pub fn simulated_as(self, real: World, robot: Arc<RobotDescription>) -> Self {
+        let settings = SimulatorSettings { robot, ..self.simulator.settings.clone() };
+        Self { simulator: Arc::new(SimulatorModel::new(Arc::new(real), settings)), ..self }
+    }
+
     /// What of a world is probably not meant as it stands, looked over without building all models.
     pub fn survey(world: &Arc<World>, settings: &OfficeSettings) -> Vec<Concern> {
         let navigation = NavigationModel::new(world, DriveLimits::of(&settings.robot));

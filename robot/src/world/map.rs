@@ -35,6 +35,12 @@ impl World {
         })
     }
 
+    /// The same with all doors open, and wherever the robot starts: what cannot be reached from there is free, too.
+    /// Cost: as for the map.
+    pub fn open_floor(&self, resolution_m: f64) -> OccupancyGrid {
+        self.draw_all(self.origin_in_map, resolution_m, |solid| !matches!(solid.origin, SolidOrigin::Door(_)))
+    }
+
     /// The same map on a grid centred on the middle of the world, so that the pose mirrored by 180°
     /// falls on the mirrored cell: (column, row) on (columns − 1 − column, rows − 1 − row).
     pub fn map_centred(&self, resolution_m: f64) -> OccupancyGrid {
@@ -65,13 +71,18 @@ impl World {
     }
 
     fn draw(&self, origin_in_map: Point, resolution_m: f64, is_there: impl Fn(&Solid) -> bool) -> OccupancyGrid {
+        let mut grid = self.draw_all(origin_in_map, resolution_m, is_there);
+        self.forget_outside(&mut grid);
+        grid
+    }
+
+    fn draw_all(&self, origin_in_map: Point, resolution_m: f64, is_there: impl Fn(&Solid) -> bool) -> OccupancyGrid {
         let (columns, rows) = self.cells(resolution_m);
         let mut grid = OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free);
         for solid in self.solids().iter().filter(|solid| is_there(solid)) {
             occupy(&mut grid, &solid.outline);
         }
         self.forget_unrecorded(&mut grid);
-        self.forget_outside(&mut grid);
         grid
     }
 

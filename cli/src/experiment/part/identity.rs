@@ -34,6 +34,8 @@ pub struct Identity {
     pub scenario: Option<String>,
     /// `--row`
     pub row: Option<String>,
+    /// `--maps`
+    pub maps: Option<PathBuf>,
     /// `--cases`
     pub cases: Option<PathBuf>,
     /// How many shards there are, if all runs here are of shards of so many.
@@ -54,6 +56,7 @@ impl Identity {
             robot: request.robot_name.clone(),
             scenario: request.scenario.clone(),
             row: request.row.clone(),
+            maps: request.maps.clone(),
             cases: request.cases.clone(),
             shards,
         }
@@ -73,6 +76,7 @@ impl Identity {
             ("robot", told(&self.robot), told(&other.robot)),
             ("scenario", told(&self.scenario), told(&other.scenario)),
             ("row", told(&self.row), told(&other.row)),
+            ("folder of maps", told(&shown(&self.maps)), told(&shown(&other.maps))),
             ("case file", told(&shown(&self.cases)), told(&shown(&other.cases))),
         ];
         let (what, mine, others) = pairs.into_iter().find(|(_, mine, others)| mine != others)?;
