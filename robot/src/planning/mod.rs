@@ -1,8 +1,8 @@
 //! Ways over the floor of a map, and plans that lead through its doors.
 //!
 //! Read in this order: `cost_grid` (what it costs to be somewhere), `cost_to_go` (what it costs to go to a
-//! target from there), `way` (the ways that follow), `planner` (the robot's map); then `target` (where the
-//! robot is to drive to), `areas` (the floor, cut along the edges of rooms), `passage` (doors and gaps),
+//! target from there), `way` (the ways that follow), `open_edge` (where the map ends and no wall),
+//! `planner` (the robot's map); then `target` (where the robot is to drive to), `areas` (the floor, cut along the edges of rooms), `passage` (doors and gaps),
 //! `topological` (target points through doors and corridors), `between` (what keeps two points apart),
 //! `survey` (what of a world cannot be got to).
 //!
@@ -13,6 +13,7 @@ mod areas;
 mod between;
 mod cost_grid;
 mod cost_to_go;
+mod open_edge;
 mod passage;
 mod planner;
 mod survey;
@@ -24,6 +25,7 @@ mod way;
 
 pub use cost_grid::{CostGrid, Inflation};
 pub use cost_to_go::CostToGo;
+pub use open_edge::OpenEdge;
 pub use planner::PlannerModel;
 pub use survey::Concern;
 pub use target::Target;

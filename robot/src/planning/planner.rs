@@ -2,6 +2,7 @@
 
 use super::cost_grid::{CostGrid, Inflation, MOVES, OPEN_FLOOR};
 use super::cost_to_go::CostToGo;
+use super::open_edge::{OpenEdge, open_edges};
 use crate::geometry::Point;
 use crate::occupancy::OccupancyGrid;
 use std::sync::Arc;
@@ -13,6 +14,7 @@ pub struct PlannerModel {
     pub(super) grid: Arc<CostGrid>,
     /// Of the cells of the grid.
     obstacle_distances_m: Vec<f32>,
+    open_edges: Vec<OpenEdge>,
 }
 
 impl PlannerModel {
@@ -20,7 +22,7 @@ impl PlannerModel {
     /// obstacles. O(cells).
     pub fn new(map: &OccupancyGrid, inflation: Inflation) -> Self {
         let (grid, obstacle_distances_m) = CostGrid::with_distances(map, inflation);
-        Self { grid: Arc::new(grid), obstacle_distances_m }
+        Self { grid: Arc::new(grid), obstacle_distances_m, open_edges: open_edges(map) }
     }
 
     /// How far the robot reaches around its middle.
@@ -74,6 +76,24 @@ impl PlannerModel {
         let edges = grid.square(point_in_frame, reach_m).filter(|&cell| grid.is_obstacle[cell] && is_edge(cell));
         let centres = edges.map(|cell| grid.centre(cell));
         centres.filter(|centre| (centre - point_in_frame).norm_squared() <= reach_m * reach_m).collect()
+    }
+
+    /// Where the map ends and no wall, side by side.
+    pub fn open_edges(&self) -> &[OpenEdge] {
+        &self.open_edges
+    }
+
+    /// Points of the map's open edge within `reach_m` of a point, a cell apart. Cost: stretches of open edge, if the
+    /// edge of the map is within reach.
+    pub fn open_edge_near(&self, point_in_frame: Point, reach_m: f64) -> impl Iterator<Item = Point> + '_ {
+        let grid = &self.grid;
+        // The outermost cells may be beyond the edge.
+        let inner = (point_in_frame - grid.origin_in_frame).add_scalar(-reach_m - grid.resolution_m);
+        let rest = Point::new(grid.columns as f64, grid.rows as f64) * grid.resolution_m
+            - (point_in_frame - grid.origin_in_frame).add_scalar(reach_m + grid.resolution_m);
+        let is_inside = inner.min() > 0.0 && rest.coords.min() > 0.0;
+        let edges = if is_inside { &[][..] } else { &self.open_edges };
+        edges.iter().flat_map(move |edge| edge.points_near(point_in_frame, reach_m, grid.resolution_m))
     }
 
     /// What it costs to go from every cell to a target.

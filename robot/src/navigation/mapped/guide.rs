@@ -22,7 +22,7 @@ const LOOK_S: f64 = 0.5;
 const LOOK_M: f64 = 2.0;
 /// What comes this much nearer to the way than the robot's disc stands in it.
 const BESIDE_WAY_M: f64 = 0.03;
-/// Obstacles of the map are looked up this far around the robot while it sees nothing.
+/// Obstacles of the map are looked up this far around the robot while it sees nothing, and its open edge always.
 const MAP_SUPPORT_M: f64 = 1.2;
 
 /// The guide of one step.
@@ -92,11 +92,14 @@ impl Guide for MapGuide<'_> {
     fn obstacles_in_base(&self, robot: Pose) -> Vec<Point> {
         let mut obstacles_in_base = Vec::new();
         self.ways.memory.append_in_base(self.input.odometry_in_odom, &mut obstacles_in_base);
+        let map_in_base = Transform::new(robot.inverse());
         if !self.input.sees() {
-            let map_in_base = Transform::new(robot.inverse());
             let mapped = self.model.planner.obstacle_edges_near(robot.point(), MAP_SUPPORT_M);
             obstacles_in_base.extend(mapped.into_iter().map(|point| map_in_base.apply(point)));
         }
+        // No sensor finds it.
+        let edge = self.model.planner.open_edge_near(robot.point(), MAP_SUPPORT_M);
+        obstacles_in_base.extend(edge.map(|point| map_in_base.apply(point)));
         obstacles_in_base
     }
 
