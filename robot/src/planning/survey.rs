@@ -46,7 +46,7 @@ impl TopologicalModel {
     pub fn survey(&self, planner: &PlannerModel, gripper_reach_m: Option<f64>) -> Vec<Concern> {
         let start = self.world.start_in_map.point();
         let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
-            let message = format!("the start {} is on no floor that the map knows", shown(start));
+            let message = format!("at the start {} {}", shown(start), self.why_no_room(planner, start));
             let help = "put it where the map is free";
             return vec![Concern { table: None, key: "start", message, help }];
         };

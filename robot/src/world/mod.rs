@@ -3,6 +3,7 @@
 mod blocks;
 mod builtin;
 mod check;
+mod close_up;
 mod greys;
 mod image;
 mod landmark;
@@ -18,6 +19,7 @@ mod start;
 mod tests;
 mod yaml;
 
+pub(crate) use close_up::CloseUp;
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
 pub use landmark::Landmark;

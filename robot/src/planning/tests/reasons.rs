@@ -188,3 +188,24 @@ fn what_cannot_be_got_to_is_told_with_its_key() {
         }
     }
 }
+
+#[test]
+fn why_the_robot_does_not_fit_is_what_is_nearest() {
+    use crate::occupancy::{Cell, OccupancyGrid};
+    // Floor of 4 × 4 m in a field that is not known, with a wall far off, and to the south the edge of the map.
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 160, 120, Cell::Unknown);
+    for (column, row) in (0..80).flat_map(|column| (0..80).map(move |row| (column + 40, row))) {
+        map.set(column, row, Cell::Free);
+    }
+    (0..80).for_each(|row| map.set(130, row, Cell::Occupied));
+    let building = Building::new(World::from_map("field", map, 0.265).expect("there is room"));
+    for (x, y, expected) in [
+        (5.95, 2.0, "the robot does not fit: floor that the map does not know is 0.05 m away"),
+        (6.3, 2.0, "the map knows no floor"),
+        (4.0, 0.1, "the robot does not fit: the edge of the world is 0.10 m away"),
+        (4.0, -2.0, "there is no floor: the world reaches from (0.00, 0.00) to (8.00, 6.00)"),
+    ] {
+        let why = building.topology.why_no_room(&building.planner, Point::new(x, y));
+        assert!(why.starts_with(expected), "{why}\nshould begin with {expected}");
+    }
+}
