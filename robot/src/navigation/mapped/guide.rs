@@ -170,15 +170,15 @@ impl MapGuide<'_> {
         }
     }
 
-    /// A door found closed, or open again, is a new task: there is time for the way that is now the
-    /// best, and nothing to escape from.
+    /// A door found closed, or open again, is a new task: there is nothing to escape from.
     fn look_at_doors(&mut self, driver: &mut Driver, robot: Pose, seen_in_map: &[Point]) {
         let now_s = driver.now_s;
         let before = self.ways.closed_doors(now_s);
         let robot_width_m = 2.0 * self.model.limits.robot_radius_m;
         self.ways.doors.look(&self.model.doorways, robot.point(), seen_in_map, robot_width_m, now_s, LOOK_S);
-        if self.ways.closed_doors(now_s) != before {
-            self.ways.progress.start_again(now_s);
+        let closed = self.ways.closed_doors(now_s);
+        if closed != before {
+            self.ways.progress.find_doors(now_s, &before, &closed);
             driver.avoidance = CollisionAvoidance::default();
         }
     }

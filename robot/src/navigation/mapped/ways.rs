@@ -97,7 +97,7 @@ impl MapWays {
     pub fn forget_where_things_are(&mut self, now_s: f64) {
         self.blockages.clear();
         self.doors = DoorMemory::default();
-        self.progress.measure_other_way();
+        self.progress.measure_from_elsewhere();
         self.next_look_s = now_s;
     }
 
