@@ -155,7 +155,7 @@ impl MapGuide<'_> {
             return;
         }
         self.ways.next_look_s = now_s + LOOK_S;
-        let seen = self.ways.sharp_points(robot, odometry_in_odom, |_| true);
+        let seen = self.ways.sharp_points(robot, odometry_in_odom);
         self.ways.blockages.forget(robot.point(), &seen, now_s);
         self.look_at_doors(driver, robot, &seen);
         if self.ways.doubts_map(now_s) {
@@ -163,7 +163,10 @@ impl MapGuide<'_> {
             let costs = self.ways.costs(self.model, first, now_s);
             let way = costs.around.way_ahead(robot.point(), LOOK_M).unwrap_or_default();
             let reach_m = self.model.limits.robot_radius_m + BESIDE_WAY_M;
-            let stands_in_way = |point: &Point| way.iter().any(|&on_way| distance_m(on_way, *point) < reach_m);
+            // What the robot touches was in its way.
+            let stands_in_way = |&(point, is_felt): &(Point, bool)| {
+                is_felt || way.iter().any(|&on_way| distance_m(on_way, point) < reach_m)
+            };
             if unmapped.iter().any(stands_in_way) {
                 self.ways.blockages.add(&unmapped, now_s);
             }

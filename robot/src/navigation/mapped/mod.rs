@@ -124,9 +124,8 @@ impl MappedNavigation {
         estimated_in_map: Pose,
         odometry_in_odom: Pose,
     ) -> Vec<Point> {
-        let mut points = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
-        points.extend(self.ways.blockages.points_in_map());
-        points
+        let unmapped = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
+        unmapped.into_iter().map(|(point, _)| point).chain(self.ways.blockages.points_in_map()).collect()
     }
 
     /// Time passes in which there is nothing to do and nothing to see.
