@@ -19,14 +19,15 @@ pub use obstruction::Obstruction;
 
 use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
+use super::profile::DrivingProfile;
 use crate::avoidance::CollisionAvoidance;
 use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
 use crate::obstacles::RememberedPoint;
 use crate::planning::Target;
 use crate::world::TravelMode;
 use guide::MapGuide;
-use serde::{Deserialize, Serialize};
 use progress::MapProgress;
+use serde::{Deserialize, Serialize};
 use ways::MapWays;
 
 /// State of the navigation on a map.
@@ -39,7 +40,6 @@ pub struct MappedNavigation {
     ways: MapWays,
     /// Estimate and odometry of the step before.
     last: Option<(Pose, Pose)>,
-}
     /// The drive that was interrupted, as long as no other was begun.
     interrupted: Option<InterruptedDrive>,
 }
@@ -51,14 +51,15 @@ struct InterruptedDrive {
     progress: MapProgress,
     /// Estimate and odometry when it was interrupted.
     at: (Pose, Pose),
+}
 
 /// A robot that wanted its sonars in a doorway wants them at least for so long.
 const SEEING_IN_DOOR_S: f64 = 1.0;
-/// An estimate that moves so much more than the odometry has jumped.
 /// A robot that was interrupted is in the same place if the estimate differs from the odometry since by no more than
 /// what that may have erred.
 const SAME_PLACE_M: f64 = 1.5;
 const SAME_PLACE_RAD: f64 = 0.8;
+/// An estimate that moves so much more than the odometry has jumped.
 const JUMP_M: f64 = 0.4;
 const JUMP_RAD: f64 = 0.5;
 
@@ -74,11 +75,11 @@ impl MappedNavigation {
 
     /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
     /// which doors were found closed is kept. The way is blocked when for `patience_s` the robot has
-    /// come no nearer.
+    /// come no nearer, those before an interruption included if the last target is the same.
     pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
-        self.driver.start(targets);
         let goal_in_map = targets.last().map(|target| target.point_in_frame);
         self.interrupted = self.interrupted.take().filter(|drive| Some(drive.goal_in_map) == goal_in_map);
+        self.driver.start(targets);
         self.ways.start(self.driver.now_s, patience_s);
         self.last = None;
     }
@@ -88,7 +89,6 @@ impl MappedNavigation {
         self.start(Vec::new(), Self::PATIENCE_S);
     }
 
-    /// Targets not yet reached.
     /// The same, but the next drive to the last of them goes on with this one.
     pub fn interrupt(&mut self) {
         let goal = self.driver.targets.last().map(|target| target.point_in_frame);
@@ -103,6 +103,7 @@ impl MappedNavigation {
         self.interrupted = interrupted;
     }
 
+    /// Targets not yet reached.
     pub fn remaining_targets(&self) -> &[Target] {
         &self.driver.targets
     }
@@ -149,6 +150,8 @@ impl MappedNavigation {
         self.notice_jump(estimated_in_map, input.odometry_in_odom);
         self.go_on(estimated_in_map, input.odometry_in_odom);
         let mut guide = MapGuide { ways: &mut self.ways, model, estimated_in_map, input, mode };
+        let in_narrow = DrivingProfile::IN_NARROW.limits(limits);
+        let limits = if guide.is_narrow() { &in_narrow } else { limits };
         let decision = self.driver.step(&mut guide, limits, input);
         let needs_sonars = self.driver.is_active() && self.driver.now_s < self.ways.sonars_until_s;
         self.driver.output(decision, needs_sonars)
@@ -173,8 +176,6 @@ impl MappedNavigation {
         }
     }
 
-    /// An estimate that jumped makes old progress, blockages and doors meaningless.
-    fn notice_jump(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
     /// A drive that was begun goes on with the interrupted one.
     fn go_on(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
         if !self.driver.is_active() {
@@ -188,6 +189,8 @@ impl MappedNavigation {
         }
     }
 
+    /// An estimate that jumped makes old progress, blockages and doors meaningless.
+    fn notice_jump(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
         if let Some((estimated_before, odometry_before)) = self.last {
             let expected = estimated_before.compose(odometry_in_odom.relative_to(odometry_before));
             let off_rad = wrap_angle_rad(estimated_in_map.heading_rad - expected.heading_rad).abs();
