@@ -2,7 +2,7 @@
 //!
 //! Read in this order: `input` (what a step gets to know), `turning`, `driver` (from target to target,
 //! whoever knows the ways), `mapped` and `mapless` (who knows them: by the map and what is seen besides,
-//! or by what has been seen alone), `cache`; `local_drive` (following and wandering by what is seen just
+//! or by what has been seen alone; `profile` how near and fast), `cache`; `local_drive` (following and wandering by what is seen just
 //! now) and `look_around` (turning on the spot). Nothing here knows the plan language or the simulator.
 
 mod cache;
@@ -12,6 +12,7 @@ mod local_drive;
 mod look_around;
 mod mapless;
 mod mapped;
+mod profile;
 mod turning;
 
 #[cfg(test)]

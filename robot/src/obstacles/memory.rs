@@ -3,7 +3,7 @@
 
 use super::sonar_views::SonarViews;
 use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
-use crate::sensors::{LaserScan, RangeSensor, SonarArray, SonarMount, SonarScan};
+use crate::sensors::{LaserScan, SonarArray, SonarMount, SonarScan};
 use serde::{Deserialize, Serialize};
 
 /// Readings farther than this are not remembered: the arc they may come from is too wide.
@@ -36,13 +36,22 @@ const DOUBTS: u8 = 6;
 /// A point seen only once may be another sonar's echo: a single reading through it is enough.
 const DOUBTS_AT_FIRST: u8 = 4;
 
-/// A point where the nearest surface of a cone may be, or one where a laser beam ended.
+/// What finds obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+enum Source {
+    Sonar,
+    Laser,
+    /// The robot ran into it: there may be no sensor that sees it.
+    Bumper,
+}
+
+/// A point where the nearest surface of a cone may be, where a laser beam ended, or where the robot was touched.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RememberedPoint {
     /// Its cell on a grid of 5 cm, by which points are kept apart and in order.
     cell: (i32, i32),
     /// What saw it. Only the same can see that it is gone: a box may be there for one of them alone.
-    sensor: RangeSensor,
+    sensor: Source,
     /// Where it was seen last, in `odom`.
     pub point_in_odom: Point,
     /// The reading it comes from.
@@ -56,7 +65,12 @@ pub struct RememberedPoint {
 impl RememberedPoint {
     /// Whether it is something that stands there, and not somebody walking by.
     pub fn stands(&self) -> bool {
-        self.seen_at_s - self.first_seen_at_s >= STANDING_S
+        self.is_felt() || self.seen_at_s - self.first_seen_at_s >= STANDING_S
+    }
+
+    /// Whether the robot ran into it.
+    pub fn is_felt(&self) -> bool {
+        self.sensor == Source::Bumper
     }
 }
 
@@ -64,8 +78,8 @@ impl RememberedPoint {
 /// forgotten, others after some seconds or metres.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObstacleMemory {
-    /// Time with sonars, and with the laser.
-    now_s: [f64; 2],
+    /// Time with sonars, with the laser, and all of it.
+    now_s: [f64; 3],
     views: SonarViews,
     is_touched: bool,
     /// Sorted by cell and sensor.
@@ -86,6 +100,7 @@ impl ObstacleMemory {
         step_s: f64,
         off_map_m: impl Fn(Point) -> Option<f64>,
     ) {
+        self.now_s[Source::Bumper as usize] += step_s;
         if let Some(scan) = sonar {
             self.hear(odometry_in_odom, scan, step_s, &off_map_m);
         }
@@ -108,10 +123,10 @@ impl ObstacleMemory {
         off_map_m: &impl Fn(Point) -> Option<f64>,
     ) {
         let SonarScan { sonars, ranges_m } = scan;
-        self.now_s[RangeSensor::Sonar as usize] += step_s;
-        let now_s = self.now_s[RangeSensor::Sonar as usize];
+        self.now_s[Source::Sonar as usize] += step_s;
+        let now_s = self.now_s[Source::Sonar as usize];
         let is_new_view = self.views.take_in(odometry_in_odom, scan, now_s);
-        self.doubt(odometry_in_odom, RangeSensor::Sonar, |point, point_in_base| {
+        self.doubt(odometry_in_odom, Source::Sonar, |point, point_in_base| {
             doubts_of_sonars(scan, is_new_view || !point.is_seen_again, point_in_base)
         });
         let mut arc = Vec::new();
@@ -121,21 +136,21 @@ impl ObstacleMemory {
                 arc.clear();
                 arc.extend(arc_in_odom(odometry_in_odom, mount, sonars.cone_rad, range_m));
                 self.narrow(sonars, &mut arc, off_map_m);
-                arc.iter().for_each(|&point| self.remember(point, RangeSensor::Sonar, range_m));
+                arc.iter().for_each(|&point| self.remember(point, Source::Sonar, range_m));
             }
         }
     }
 
     fn see(&mut self, odometry_in_odom: Pose, scan: LaserScan<'_>, step_s: f64) {
-        self.now_s[RangeSensor::Laser as usize] += step_s;
-        self.doubt(odometry_in_odom, RangeSensor::Laser, |_, point_in_base| doubts_of_laser(scan, point_in_base));
+        self.now_s[Source::Laser as usize] += step_s;
+        self.doubt(odometry_in_odom, Source::Laser, |_, point_in_base| doubts_of_laser(scan, point_in_base));
         let useful_m = scan.laser.range_m.min(USEFUL_RANGE_M);
         for (beam, &range_m) in scan.ranges_m.iter().enumerate() {
             let range_m = f64::from(range_m);
             if range_m > 0.0 && range_m < useful_m {
                 let bearing_rad = odometry_in_odom.heading_rad + scan.laser.direction_rad(beam);
                 let seen = ahead_of(odometry_in_odom.point(), bearing_rad, range_m);
-                self.remember(seen, RangeSensor::Laser, range_m);
+                self.remember(seen, Source::Laser, range_m);
             }
         }
     }
@@ -152,7 +167,7 @@ impl ObstacleMemory {
         for heading_rad in [-0.7, 0.0, 0.7] {
             let middle = SonarMount { at_in_base: Point::origin(), heading_rad };
             for point in arc_in_odom(odometry_in_odom, &middle, FELT_RAD, robot_radius_m + 0.01) {
-                self.remember(point, RangeSensor::Sonar, robot_radius_m);
+                self.remember(point, Source::Bumper, robot_radius_m);
             }
         }
         true
@@ -188,7 +203,7 @@ impl ObstacleMemory {
         }
     }
 
-    fn remember(&mut self, point_in_odom: Point, sensor: RangeSensor, range_m: f64) {
+    fn remember(&mut self, point_in_odom: Point, sensor: Source, range_m: f64) {
         let cell = (libm::floor(point_in_odom.x / GRAIN_M) as i32, libm::floor(point_in_odom.y / GRAIN_M) as i32);
         let seen_at_s = self.now_s[sensor as usize];
         let seen = |first_seen_at_s, is_seen_again, doubts| RememberedPoint {
@@ -208,7 +223,7 @@ impl ObstacleMemory {
     }
 
     /// Adds the doubts that a scan casts on a point in `base`.
-    fn doubt(&mut self, odometry_in_odom: Pose, sensor: RangeSensor, doubts: impl Fn(&RememberedPoint, Point) -> u8) {
+    fn doubt(&mut self, odometry_in_odom: Pose, sensor: Source, doubts: impl Fn(&RememberedPoint, Point) -> u8) {
         let odom_in_base = Transform::new(odometry_in_odom.inverse());
         for point in self.points.iter_mut().filter(|point| point.sensor == sensor) {
             point.doubts += doubts(point, odom_in_base.apply(point.point_in_odom));

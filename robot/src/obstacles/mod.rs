@@ -13,7 +13,7 @@ mod log_odds;
 mod memory;
 mod sonar_views;
 
-pub use alignment::aligned;
+pub use alignment::{aligned, aligned_in_narrow};
 pub use doorways::{DoorMemory, Doorway, barriers};
 pub use laser_scan::{is_seen, points_in_base, smoothed};
 pub use learned_map::LearnedMap;

@@ -2,6 +2,7 @@
 //! writes the position, through [`Position`]; everything else is put down by the controller, which
 //! gathers what they answer, and by functions that plans call.
 
+use super::immobility::Immobility;
 use super::model::OfficeModel;
 use super::position::Position;
 use crate::geometry::Velocity;
@@ -21,6 +22,8 @@ pub struct Board {
     /// What is asked of the wheels: by the last module at work that wants anything of them, and nothing
     /// once one that drives was stopped. The controller writes it.
     pub drive_request: Velocity,
+    /// Whether the wheels do what is asked of them. The controller writes it.
+    pub immobility: Immobility,
     /// What people have sent and no plan has read, the oldest first. The controller adds, `read-message`
     /// takes.
     pub inbox: Vec<Vec<String>>,
@@ -34,6 +37,7 @@ impl Board {
             percept: None,
             mode: TravelMode::Hallway,
             drive_request: Velocity::default(),
+            immobility: Immobility::default(),
             inbox: Vec::new(),
         }
     }

@@ -5,13 +5,15 @@ use super::behaviours::OfficeModules;
 use super::behaviours::body::WHEELS;
 use super::board::Board;
 use super::composition::Composition;
+use super::immobility::IMMOBILE_S;
 use super::model::OfficeModel;
 use super::module::{Module, Moment, Start, Telling};
+use super::report::Report;
 use crate::geometry::Velocity;
 use crate::localization::Estimate;
 use crate::simulator::{Commands, Percept};
 use rpl_lang::symbol::Symbol;
-use rpl_runtime::robot::{Outbox, StopReason};
+use rpl_runtime::robot::{Ending, Outbox, StopReason};
 use rpl_runtime::state::activation::{Phase, Phases};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
@@ -64,7 +66,15 @@ impl<M: Module> Controller<M> {
         board.inbox.extend(percept.messages.iter().cloned());
         let (mode, unread) = (board.mode, board.inbox.len());
         let now = Moment { model, percept: &percept, mode, unread, phases: &phases };
-        let wanted = modules.step(&now, &mut board.position, &mut Telling::of_all(outbox));
+        let mut wanted = modules.step(&now, &mut board.position, &mut Telling::of_all(outbox));
+        if board.immobility.watch(board.drive_request, &percept) {
+            wanted = None;
+            outbox.events.push(Report::Immobile { battery: percept.battery }.into());
+            for behaviour in drivers(&self.composition, &phases, outbox) {
+                modules.stop(behaviour, StopReason::Deactivated, &mut Telling::of_all(outbox));
+                outbox.endings.push((behaviour as u16, immobile(percept.battery)));
+            }
+        }
         board.drive_request = wanted.unwrap_or_default();
         for (behaviour, _) in &outbox.endings {
             phases[usize::from(*behaviour)] = Phase::Done;
@@ -119,4 +129,23 @@ impl<M: Module> Controller<M> {
             self.modules.part(of)
         }
     }
+}
+
+/// The behaviours that drive and have not ended.
+fn drivers<M: Module>(composition: &Composition<M>, phases: &[Phase], outbox: &Outbox) -> Vec<usize> {
+    let has_ended = |behaviour: usize| outbox.endings.iter().any(|&(ended, _)| usize::from(ended) == behaviour);
+    let drives = |&behaviour: &usize| {
+        let needs_wheels = composition.tables.behaviours[behaviour].valve == Some(WHEELS);
+        needs_wheels && phases[behaviour] == Phase::Active && !has_ended(behaviour)
+    };
+    (0..phases.len()).filter(drives).collect()
+}
+
+/// The failure of what drives a robot that does not move.
+fn immobile(battery: f64) -> Ending {
+    let why = match battery > 0.0 {
+        true => "is its emergency stop pressed, or does something hold a wheel?",
+        false => "its battery is empty",
+    };
+    Ending::failure("immobile", format!("for {IMMOBILE_S} s the robot was to drive and has not moved: {why}"))
 }

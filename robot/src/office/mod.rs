@@ -20,6 +20,7 @@ mod cost;
 mod foreseen_robot;
 mod functions;
 mod host;
+mod immobility;
 mod model;
 mod module;
 mod names;

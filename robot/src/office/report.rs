@@ -59,6 +59,11 @@ reports! {
         /// Of the estimate.
         certainty: f64,
     } => "position found",
+    /// The robot was to drive, and has not moved for a while.
+    Immobile {
+        /// From 0 to 1.
+        battery: f64,
+    } => "immobile",
     /// Active localization has chosen where to go.
     LocalizationAction {
         /// Seen from where the robot was then.
@@ -124,6 +129,11 @@ reports! {
         /// For so long.
         seconds: f64,
     } => "sonars failed",
+    /// The scenario held the wheels.
+    WheelsHeld {
+        /// For so long.
+        seconds: f64,
+    } => "wheels held",
     /// The scenario put a thing that can be carried somewhere.
     ItemPlaced {
         /// Its name.
@@ -195,7 +205,8 @@ impl Report {
             Self::DoorOpened { room } | Self::DoorClosed { room } => vec![("room", room)],
             Self::ObjectAdded { object } | Self::ObjectRemoved { object } => vec![("object", object)],
             Self::PeopleGathered { people } => vec![("people", format!("{people}"))],
-            Self::SonarsFailed { seconds } => vec![("seconds", format!("{seconds}"))],
+            Self::Immobile { battery } => vec![("battery", format!("{battery:.2}"))],
+            Self::WheelsHeld { seconds } | Self::SonarsFailed { seconds } => vec![("seconds", format!("{seconds}"))],
             Self::ItemPlaced { item } => vec![("item", item)],
             Self::BatterySet { charge } => vec![("charge", format!("{charge:.2}"))],
             Self::MessageSent { text } | Self::Scenario { text } => vec![("text", text)],

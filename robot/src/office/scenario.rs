@@ -110,6 +110,12 @@ pub fn oracle_natives() -> Vec<Native> {
             gather_people,
         ),
         act("drop-sonars!", "seconds", "The sonars fail for a time.", drop_sonars),
+        act(
+            "hold-wheels!",
+            "seconds",
+            "The wheels do not turn for a time, as when the emergency stop is pressed.",
+            hold_wheels,
+        ),
         act("place-item!", "name x y", "Puts a thing that can be carried somewhere.", place_item),
         act("set-battery!", "charge", "Sets the charge of the battery, from 0 to 1.", set_battery),
         act("send-message!", "&rest words", "Sends the robot a message, a list of names.", send_message),
@@ -207,6 +213,14 @@ fn drop_sonars(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let oracle = oracle(call)?;
     oracle.state.drop_sonars(seconds);
     Ok(done(oracle, Report::SonarsFailed { seconds }))
+}
+
+fn hold_wheels(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    call.machine.instant_after(call.argument(0), || call.which(0))?;
+    let seconds = call.number(0)?;
+    let oracle = oracle(call)?;
+    oracle.state.hold_wheels(seconds);
+    Ok(done(oracle, Report::WheelsHeld { seconds }))
 }
 
 fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -126,9 +126,12 @@ impl Areas {
         for cell in 0..self.labels.len() {
             let Some(here) = self.of_cell(cell) else { continue };
             let (column, row) = (cell % grid.stride, cell / grid.stride);
-            for (is_eastward, next, line, along) in
-                [(true, cell + 1, column, row), (false, cell + grid.stride, row, column)]
+            for (is_eastward, bit, next, line, along) in
+                [(true, 0, cell + 1, column, row), (false, 1, cell + grid.stride, row, column)]
             {
+                if grid.moves[cell] & (1 << bit) == 0 {
+                    continue;
+                }
                 if let Some(there) = self.of_cell(next).filter(|there| *there != here) {
                     steps.push(AreaStep { is_eastward, line, areas: [here, there], along });
                 }
@@ -164,7 +167,7 @@ fn opening(grid: &CostGrid, run: &[AreaStep]) -> Opening {
         if is_eastward { along * grid.stride + line } else { line * grid.stride + along }
     };
     let last = along + run.len() - 1;
-    let corners = [grid.centre(cell(line, along)), grid.centre(cell(line + 1, last))];
+    let corners = [grid.point(cell(line, along)), grid.point(cell(line + 1, last))];
     Opening {
         at: nalgebra::center(&corners[0], &corners[1]),
         clear_m: run.len() as f64 * grid.resolution_m,

@@ -3,6 +3,7 @@
 
 use super::areas::Area;
 use super::cost_to_go::TARGET_REACH_M;
+use super::gap::{Gap, gap_between, needed_m};
 use super::passage::DOOR_APPROACH_M;
 use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
@@ -40,7 +41,8 @@ impl TopologicalModel {
             return format!("at {} {}", shown(goal), self.why_no_room(planner, goal));
         };
         let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
-            return format!("the map shows no free floor around {}, where the robot takes itself to be", shown(start));
+            let why = self.why_no_room(planner, start);
+            return format!("at {}, where the robot takes itself to be, {why}", shown(start));
         };
         let (here, there) = (self.part(from), self.part(to));
         if self.is_in(&here, to) {
@@ -48,7 +50,12 @@ impl TopologicalModel {
         }
         let cause = self.what_parts(planner, &here, &there);
         let shut = || self.shut_room(to, &there).or_else(|| self.shut_room(from, &here));
-        cause.or_else(shut).unwrap_or_else(|| {
+        let gap = || {
+            let Gap { at, width_m } = gap_between(planner, &self.world, start, goal)?;
+            let needed_m = needed_m(planner.robot_radius_m());
+            Some(format!("the gap at {} is {width_m:.2} m wide, and the robot needs {needed_m:.2} m", shown(at)))
+        };
+        cause.or_else(gap).or_else(shut).unwrap_or_else(|| {
             format!("walls, or floor the map does not know, lie between {} and {}", shown(start), shown(goal))
         })
     }
@@ -64,22 +71,55 @@ impl TopologicalModel {
     }
 
     /// Why the robot does not fit at a point: "the robot does not fit: ...".
-    fn why_no_room(&self, planner: &PlannerModel, at: Point) -> String {
-        let radius_m = planner.robot_radius_m();
-        let solids = self.world.solids();
-        let mapped = solids.iter().filter(|solid| self.world.is_mapped(solid.origin));
-        let away = |solid: &&Solid| solid.outline.distance_m(at);
-        match mapped.min_by(|a, b| away(a).total_cmp(&away(b))) {
-            Some(solid) if away(&solid) == 0.0 => {
-                format!("the robot does not fit: that is inside {}", self.world.called(solid.origin))
-            }
-            Some(solid) if away(&solid) < radius_m + TARGET_REACH_M => format!(
-                "the robot does not fit: {} is {:.2} m away, and the robot's radius is {radius_m} m",
-                self.world.called(solid.origin),
-                away(&solid)
-            ),
-            Some(_) | None => "the map knows no floor".to_owned(),
+    pub(super) fn why_no_room(&self, planner: &PlannerModel, at: Point) -> String {
+        let bounds = self.world.bounds();
+        if !bounds.contains(at) {
+            let (min, max) = (shown(bounds.min), shown(bounds.max));
+            return format!("there is no floor: the world reaches from {min} to {max}");
         }
+        let solids = self.world.solids();
+        let mapped: Vec<&Solid> = solids.iter().filter(|solid| self.world.is_mapped(solid.origin)).collect();
+        let to_edge_m = [at.x - bounds.min.x, at.y - bounds.min.y, bounds.max.x - at.x, bounds.max.y - at.y];
+        let to_edge_m = to_edge_m.into_iter().fold(f64::INFINITY, f64::min);
+        let away = |solid: &&&Solid| solid.outline.distance_m(at);
+        let solid = mapped.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        let to_solid_m = solid.map_or(f64::INFINITY, |solid| away(&solid));
+        let to_unknown_m = self.to_unknown_m(planner, &mapped, at, to_solid_m.min(to_edge_m));
+        let (what, away_m) = match solid {
+            Some(solid) if to_solid_m == 0.0 => {
+                return format!("the robot does not fit: that is inside {}", self.world.called(solid.origin));
+            }
+            Some(solid) if to_solid_m <= to_edge_m && to_unknown_m.is_none() => {
+                (self.world.called(solid.origin), to_solid_m)
+            }
+            Some(_) | None => match to_unknown_m {
+                Some(0.0) => return "the map knows no floor".to_owned(),
+                Some(away_m) => ("floor that the map does not know".to_owned(), away_m),
+                None => ("the edge of the world".to_owned(), to_edge_m),
+            },
+        };
+        let radius_m = planner.robot_radius_m();
+        format!("the robot does not fit: {what} is {away_m:.2} m away, and the robot's radius is {radius_m} m")
+    }
+
+    /// How far it is to floor the map does not know, if that is nearer than `least_m`.
+    fn to_unknown_m(&self, planner: &PlannerModel, mapped: &[&Solid], at: Point, least_m: f64) -> Option<f64> {
+        let grid = &planner.grid;
+        let half_m = grid.resolution_m / 2.0;
+        let off_m = |cell: usize| (at - grid.centre(cell)).abs().map(|off_m| (off_m - half_m).max(0.0)).norm();
+        let reach_m = least_m.min(planner.robot_radius_m() + TARGET_REACH_M);
+        let is_bare = |cell: usize| {
+            let centre = grid.centre(cell);
+            mapped.iter().all(|solid| solid.outline.distance_m(centre) > half_m * std::f64::consts::SQRT_2)
+        };
+        let mut near: Vec<(f64, usize)> = grid
+            .square(at, reach_m + grid.resolution_m)
+            .filter(|&cell| grid.is_obstacle[cell])
+            .map(|cell| (off_m(cell), cell))
+            .filter(|&(away_m, _)| away_m < reach_m)
+            .collect();
+        near.sort_by(|one, other| one.0.total_cmp(&other.0));
+        near.into_iter().find(|&(_, cell)| is_bare(cell)).map(|(away_m, _)| away_m)
     }
 
     /// All that can be got to from an area.
@@ -156,10 +196,9 @@ impl TopologicalModel {
                 format!("{named} leads nowhere: on one of its sides there is no floor the robot fits on")
             }
             Shut::Narrow => format!(
-                "{named} is {:.2} m wide, too narrow for the robot, which is {:.2} m wide, on a map of cells of {:.2} m",
+                "{named} is {:.2} m wide, too narrow for the robot, which needs {:.2} m",
                 door.width_m,
-                2.0 * planner.robot_radius_m(),
-                planner.grid.resolution_m
+                needed_m(planner.robot_radius_m())
             ),
         }
     }

@@ -1,8 +1,10 @@
 //! What it costs a body to be somewhere: the obstacles of a map, and the price of coming close to
 //! them. Not only for robots: people have such grids too.
 
+use super::narrow_cell::{NarrowCell, NarrowCells, PARTS};
 use crate::geometry::{Point, distance_m};
 use crate::occupancy::{Cell, OccupancyGrid, squared_distances_cells};
+use std::sync::Arc;
 
 /// How far obstacles reach: around the body that moves, and in its liking.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +25,7 @@ impl Inflation {
 
     /// Price of a metre at a distance from the nearest obstacle, in units of [`OPEN_FLOOR`]; 0 where the
     /// body does not fit.
-    fn price(self, obstacle_distance_m: f64) -> u16 {
+    pub(super) fn price(self, obstacle_distance_m: f64) -> u16 {
         if obstacle_distance_m < self.body_radius_m {
             return 0;
         }
@@ -71,6 +73,10 @@ pub struct CostGrid {
     pub(super) is_obstacle: Vec<bool>,
     /// Bit k: move k leads to a traversable cell without cutting a corner. Rimmed.
     pub(super) moves: Vec<u8>,
+    /// Cells of which the body fits into a part.
+    pub(super) narrow: Arc<NarrowCells>,
+    /// None of them is cheaper.
+    pub(super) narrow_price: u16,
 }
 
 impl CostGrid {
@@ -111,8 +117,14 @@ impl CostGrid {
             prices,
             is_obstacle,
             moves: vec![0; rimmed],
+            narrow: Arc::default(),
+            narrow_price: u16::MAX,
         };
-        grid.refresh_moves(0..rimmed);
+        for cell in 0..rimmed {
+            if !grid.is_rim(cell) {
+                grid.moves[cell] = grid.moves_from(cell);
+            }
+        }
         (grid, distances_m)
     }
 
@@ -123,7 +135,9 @@ impl CostGrid {
         let mut grid = self.clone();
         let mut changed = Vec::new();
         for &point in points_in_frame {
-            for (cell, away_m) in grid.disc(point, reach_m) {
+            for (cell, middle_away_m) in grid.disc(point, reach_m) {
+                let narrow = grid.narrow_at(cell);
+                let away_m = narrow.map_or(middle_away_m, |narrow| distance_m(narrow.point, point));
                 let new_price = self.inflation.price(away_m - SEEN_MARGIN_M);
                 let old_price = grid.prices[cell];
                 if old_price > 0 && (new_price == 0 || new_price > old_price) {
@@ -135,8 +149,12 @@ impl CostGrid {
         let around = changed.into_iter().filter(|&cell| grid.prices[cell] == 0).collect::<Vec<_>>();
         for cell in around {
             grid.moves[cell] = 0;
-            let neighbours = MOVES.map(|step| grid.neighbour(cell, step));
-            grid.refresh_moves(neighbours.into_iter());
+            for step in MOVES {
+                let beside = grid.neighbour(cell, step);
+                if !grid.is_rim(beside) {
+                    grid.moves[beside] &= grid.moves_from(beside);
+                }
+            }
         }
         grid
     }
@@ -175,36 +193,69 @@ impl CostGrid {
         !(1..=self.columns).contains(&column) || !(1..=self.rows).contains(&row)
     }
 
+    /// What is narrow about a cell.
+    pub(super) fn narrow_at(&self, cell: usize) -> Option<&NarrowCell> {
+        if self.prices[cell] < self.narrow_price { None } else { self.narrow.get(&cell) }
+    }
+
+    /// Where the body goes through a cell: its middle, or where it is narrow the point with most air.
+    pub(super) fn point(&self, cell: usize) -> Point {
+        self.narrow_at(cell).map_or_else(|| self.centre(cell), |narrow| narrow.point)
+    }
+
+    /// Whether the body fits at a point of a cell.
+    pub(super) fn fits_in_cell(&self, cell: usize, point_in_frame: Point) -> bool {
+        let Some(narrow) = self.narrow_at(cell) else { return self.prices[cell] > 0 };
+        narrow.fits_at((point_in_frame - self.centre(cell)) / self.resolution_m)
+    }
+
+    /// Whether it does all along between two points of a cell.
+    pub(super) fn fits_along(&self, cell: usize, from: Point, to: Point) -> bool {
+        self.steps(from, to).all(|at| self.fits_in_cell(cell, at))
+    }
+
+    /// Whether it does between two points of cells beside each other.
+    pub(super) fn fits_between(&self, from: Point, to: Point) -> bool {
+        self.steps(from, to).all(|at| self.cell_at(at).is_some_and(|cell| self.fits_in_cell(cell, at)))
+    }
+
+    /// Points along a short way, two in each part of a cell.
+    fn steps(&self, from: Point, to: Point) -> impl Iterator<Item = Point> + use<> {
+        let steps = libm::ceil(distance_m(from, to) / self.resolution_m * 2.0 * PARTS as f64).max(1.0);
+        (0..=steps as usize).map(move |step| from + (to - from) * (step as f64 / steps))
+    }
+
+    /// In a narrow place corners are no matter of whole cells.
     fn moves_from(&self, cell: usize) -> u8 {
         if self.prices[cell] == 0 {
             return 0;
         }
+        let is_narrow = self.narrow_at(cell).is_some();
         let free = |dx, dy| self.prices[self.neighbour(cell, (dx, dy))] > 0;
         MOVES.iter().enumerate().fold(0, |bits, (bit, &(dx, dy))| {
-            let possible = free(dx, dy) && (dx == 0 || dy == 0 || (free(dx, 0) && free(0, dy)));
-            bits | (u8::from(possible) << bit)
+            let leaves_corners = dx == 0
+                || dy == 0
+                || (free(dx, 0) && free(0, dy))
+                || is_narrow
+                || self.narrow_at(self.neighbour(cell, (dx, dy))).is_some();
+            bits | (u8::from(free(dx, dy) && leaves_corners) << bit)
         })
     }
 
-    fn refresh_moves(&mut self, cells: impl Iterator<Item = usize>) {
-        for cell in cells {
-            if !self.is_rim(cell) {
-                self.moves[cell] = self.moves_from(cell);
-            }
-        }
-    }
-
-    /// A point itself if the body fits there, else the centre of the nearest cell within reach where it
+    /// A point itself if the body fits there, else the point of the nearest cell within reach where it
     /// does.
     pub(super) fn nearest_traversable(&self, point_in_frame: Point, reach_m: f64) -> Option<Point> {
         let cell = self.cell_at(point_in_frame)?;
-        if self.prices[cell] > 0 {
+        if self.fits_in_cell(cell, point_in_frame) {
             return Some(point_in_frame);
+        }
+        if self.prices[cell] > 0 {
+            return Some(self.point(cell));
         }
         let mut nearest: Option<(f64, Point)> = None;
         for (cell, away_m) in self.disc(point_in_frame, reach_m) {
             if self.prices[cell] > 0 && nearest.is_none_or(|(best_m, _)| away_m < best_m) {
-                nearest = Some((away_m, self.centre(cell)));
+                nearest = Some((away_m, self.point(cell)));
             }
         }
         nearest.map(|(_, centre)| centre)
@@ -238,11 +289,15 @@ impl CostGrid {
         self.cell_at(to_in_frame)?;
         let length_m = distance_m(from_in_frame, to_in_frame);
         let price = |cell: usize| (self.prices[cell] > 0).then(|| f64::from(self.prices[cell]) / f64::from(OPEN_FLOOR));
+        let at = |share: f64| from_in_frame + (to_in_frame - from_in_frame) * share;
         let mut walk = CellWalk::new(self, start, from_in_frame, to_in_frame);
         let mut cost_m = 0.0;
         loop {
             let (cell, share) = (walk.cell, walk.share_in_cell());
             cost_m += price(cell)? * share * length_m;
+            if self.narrow_at(cell).is_some() && !self.fits_along(cell, at(walk.at), at(walk.at + share)) {
+                return None;
+            }
             if !walk.advance(self.stride) {
                 return Some(cost_m);
             }

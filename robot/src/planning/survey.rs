@@ -2,6 +2,7 @@
 
 use super::between::{FloorPart, Shut, shown};
 use super::cost_to_go::TARGET_REACH_M;
+use super::open_edge::OpenEdge;
 use super::planner::PlannerModel;
 use super::topological::TopologicalModel;
 use super::way::ESCAPE_REACH_M;
@@ -45,12 +46,13 @@ impl TopologicalModel {
     pub fn survey(&self, planner: &PlannerModel, gripper_reach_m: Option<f64>) -> Vec<Concern> {
         let start = self.world.start_in_map.point();
         let Some(from) = self.areas.near(planner, start, ESCAPE_REACH_M) else {
-            let message = format!("the start {} is on no floor that the map knows", shown(start));
+            let message = format!("at the start {} {}", shown(start), self.why_no_room(planner, start));
             let help = "put it where the map is free";
             return vec![Concern { table: None, key: "start", message, help }];
         };
         let here = self.part(from);
         let mut found: Vec<Concern> = self.concern_of_map(&here).into_iter().collect();
+        found.extend(self.concern_of_edge(planner));
         found.extend(self.world.rooms.iter().enumerate().filter_map(|(index, room)| {
             let message = self.concern_of_room(planner, &here, index, room)?;
             Some(concern("room", index, "rect", message, "a room is entered through a [[door]] or a gap in its walls"))
@@ -90,6 +92,23 @@ impl TopologicalModel {
                 100.0 * share
             ),
             help: "look at the map with `--png FILE`: the start may be outside, or walls may be where doors are",
+        })
+    }
+
+    /// Nothing tells the robot where it is along an edge without a wall.
+    fn concern_of_edge(&self, planner: &PlannerModel) -> Option<Concern> {
+        let edges = planner.open_edges();
+        let longest = edges.iter().max_by(|one, other| one.length_m().total_cmp(&other.length_m()))?;
+        let all_m: f64 = edges.iter().map(OpenEdge::length_m).sum();
+        let [from, to] = longest.ends_in_frame.map(shown);
+        Some(Concern {
+            table: None,
+            key: if self.world.recorded.is_some() { "map" } else { "size" },
+            message: format!(
+                "the world ends in open floor along {all_m:.1} m of its edge, the longest stretch from {from} to {to}: \
+                 no sensor finds anything there, and nobody gets beyond it"
+            ),
+            help: "put a [[wall]] there, unless there is none",
         })
     }
 

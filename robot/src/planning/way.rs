@@ -46,7 +46,7 @@ impl CostToGo {
             return None;
         }
         let free = self.escape(start)?;
-        Some((vec![from_in_frame], self.descend(free, self.grid.centre(free), reach_m)?))
+        Some((vec![from_in_frame], self.descend(free, self.grid.point(free), reach_m)?))
     }
 
     fn descend(&self, start: usize, start_in_frame: Point, reach_m: f64) -> Option<Vec<Point>> {
@@ -57,7 +57,7 @@ impl CostToGo {
             let (next, length) = self.best_move(cell)?;
             along_m += length * self.grid.resolution_m;
             cell = next;
-            points.push(self.grid.centre(cell));
+            points.push(self.grid.point(cell));
         }
         if self.costs[cell] == 0 {
             if points.len() > 1 {

@@ -110,11 +110,11 @@ impl Cells {
 }
 
 impl Candidates {
-    /// Lists for sensors, a body that touches, and people who walk by, that reach so far. Cost:
-    /// surfaces, times the cells around each of them.
-    pub fn new(surfaces: &[Surface], bounds: Rect, [range_m, touch_m, walk_m]: [f64; 3]) -> Self {
+    /// Lists for sensors, a body that touches, and people who walk by, that reach so far. Only the first of the
+    /// surfaces are `seen`. Cost: surfaces, times the cells around each of them.
+    pub fn new(surfaces: &[Surface], seen: usize, bounds: Rect, [range_m, touch_m, walk_m]: [f64; 3]) -> Self {
         let cells = Cells::over(bounds);
-        let mut visible = cells.within(surfaces, range_m);
+        let mut visible = cells.within(&surfaces[..seen], range_m);
         for (index, near) in visible.iter_mut().enumerate() {
             keep_seen(near, surfaces, &cells.rect(index));
         }

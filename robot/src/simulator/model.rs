@@ -37,11 +37,13 @@ pub struct SimulatorModel {
 }
 
 impl SimulatorModel {
-    /// Makes a world ready. The edge of the world is a wall, in case it has none.
+    /// Makes a world ready. Nobody gets beyond its edge, and nothing is seen there: so the map has it.
     pub fn new(world: Arc<World>, settings: SimulatorSettings) -> Self {
         let solids = world.solids();
-        let surfaces: Vec<Surface> = solids.iter().flat_map(surfaces_of).chain(world_edge(world.bounds())).collect();
-        let candidates = Candidates::new(&surfaces, world.bounds(), reaches_m(&settings.robot));
+        let mut surfaces: Vec<Surface> = solids.iter().flat_map(|solid| surfaces_of(solid, world.bounds())).collect();
+        let seen = surfaces.len();
+        surfaces.extend(world_edge(world.bounds()));
+        let candidates = Candidates::new(&surfaces, seen, world.bounds(), reaches_m(&settings.robot));
         let sensors = settings.robot.range_sensors();
         let rim_m = |mount: &SonarMount| to_rim_m(mount, settings.robot.radius_m);
         Self {
@@ -68,7 +70,7 @@ impl SimulatorModel {
     /// Memory that the model of a world takes at most, without building it. Cost: the number of
     /// bodies.
     pub fn needed_bytes(world: &World, robot: &RobotDescription) -> f64 {
-        let surfaces = world.solids().into_iter().flat_map(|solid| surfaces_of(&solid).collect::<Vec<_>>());
+        let surfaces = world.solids().into_iter().flat_map(|solid| surfaces_of(&solid, world.bounds()));
         let lists = Candidates::most_entries(surfaces, world.bounds(), reaches_m(robot)) * size_of::<u32>() as f64;
         lists * 2.0 + Crowd::needed_bytes(world)
     }
@@ -94,12 +96,13 @@ fn to_rim_m(mount: &SonarMount, radius_m: f64) -> f64 {
     (along_m * along_m - at.norm_squared() + radius_m * radius_m).max(0.0).sqrt() - along_m
 }
 
+/// It stops whoever comes to it.
 fn world_edge(bounds: Rect) -> impl Iterator<Item = Surface> {
     let Rect { min, max } = bounds;
     let corners = [min, Point::new(min.x, max.y), max, Point::new(max.x, min.y)];
     (0..4).map(move |side| Surface {
         form: SurfaceForm::Edge { a: corners[side], b: corners[(side + 1) % 4] },
         origin: SolidOrigin::Wall,
-        seen_by: SeenBy { sonar: true, laser: true },
+        seen_by: SeenBy { sonar: false, laser: false },
     })
 }

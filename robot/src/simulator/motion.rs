@@ -51,7 +51,7 @@ impl SimulatorModel {
     /// Speeds after one step towards the commanded ones.
     pub(super) fn accelerate(&self, state: &mut SimulatorState, commands: &Commands) {
         let (motors, step_s) = (&self.robot().motors, self.robot().step_s());
-        if commands.motors_off {
+        if commands.motors_off || state.time_us < state.wheels_held_until_us {
             state.translation_mps = towards(state.translation_mps, 0.0, motors.halt_deceleration_mps2 * step_s);
             state.rotation_radps = towards(state.rotation_radps, 0.0, motors.halt_deceleration_radps2 * step_s);
             return;

@@ -58,6 +58,12 @@ impl SimulatorState {
         self.sonars_fail_until_us = self.sonars_fail_until_us.max(until_us);
     }
 
+    /// Holds the wheels for a time from now, as the brakes do when the emergency stop is pressed.
+    pub fn hold_wheels(&mut self, seconds: f64) {
+        let until_us = self.time_us.saturating_add((seconds.max(0.0) * 1e6) as u64);
+        self.wheels_held_until_us = self.wheels_held_until_us.max(until_us);
+    }
+
     /// Fills the battery up to a share of its capacity, or empties it down to that.
     pub fn set_battery(&mut self, charge: f64) {
         self.battery = charge.clamp(0.0, 1.0);

@@ -187,7 +187,8 @@ impl SimulatorModel {
             }
         }
         for object in &state.objects_added {
-            forms_of(&object.outline())
+            forms_of(&object.outline(), self.world.bounds())
+                .into_iter()
                 .filter(|form| form.faces(person))
                 .for_each(|form| mind(form.nearest_to(person)));
         }

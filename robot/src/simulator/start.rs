@@ -32,6 +32,7 @@ impl SimulatorModel {
             messages: Vec::new(),
             messages_given: 0,
             sonars_fail_until_us: 0,
+            wheels_held_until_us: 0,
             sudden_until_us: 0,
             stepped_before: None,
             touching: false,

@@ -79,6 +79,8 @@ pub struct SimulatorState {
     pub(super) messages_given: usize,
     /// The sonars have failed until this time.
     pub sonars_fail_until_us: u64,
+    /// The wheels are held until this time.
+    pub wheels_held_until_us: u64,
     /// Until then a touch of a door, or of what was put into the world, is not the robot's doing.
     pub(super) sudden_until_us: u64,
     /// The person who has stepped before the robot, if it brakes since then as hard as it can.

@@ -87,7 +87,9 @@ impl SimulatorModel {
         }
         let added = state.objects_added.iter().enumerate().filter(|(_, object)| seen(object.seen_by));
         for (index, object) in added {
-            forms_of(&object.outline()).for_each(|form| place(form, Body::Added(index)));
+            forms_of(&object.outline(), self.world.bounds())
+                .into_iter()
+                .for_each(|form| place(form, Body::Added(index)));
         }
         for (index, person) in state.people.iter().enumerate() {
             place(SurfaceForm::Disc { centre: person.at_in_map, radius_m: PERSON_RADIUS_M }, Body::Person(index));

@@ -175,10 +175,7 @@ impl<'m> Greys<'m> {
             }
             None => "if that is the outside, paint it grey (205), or crop the image".to_owned(),
         };
-        Some(format!(
-            "the map is free along {:.0} % of its edge, where the robot can leave it; {advice}",
-            100.0 * share
-        ))
+        Some(format!("the map is free along {:.0} % of its edge, where nothing is seen; {advice}", 100.0 * share))
     }
 }
 

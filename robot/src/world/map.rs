@@ -1,13 +1,13 @@
 //! The robot's map of a world.
 
-use super::solid::{Outline, Solid, SolidOrigin};
+use super::solid::{Outline, Solid, SolidOrigin, part_within};
 use super::{Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
 use crate::occupancy::{Cell, OccupancyGrid};
 
 /// A body must reach this far into a cell to occupy it, so that a wall along a cell's edge does
 /// not depend on the last bit of its coordinates.
-const TOUCH_M: f64 = 1e-6;
+pub(crate) const TOUCH_M: f64 = 1e-6;
 
 /// What is free so near to the start or to a place is floor: the map may show the cell around it as
 /// occupied by a wall close by.
@@ -80,14 +80,15 @@ impl World {
         let (columns, rows) = self.cells(resolution_m);
         let mut grid = OccupancyGrid::filled(origin_in_map, resolution_m, columns, rows, Cell::Free);
         for solid in self.solids().iter().filter(|solid| is_there(solid)) {
-            occupy(&mut grid, &solid.outline);
+            occupy(&mut grid, &solid.outline, self.bounds());
         }
+        beyond_edge(&mut grid, self.bounds());
         self.forget_unrecorded(&mut grid);
         grid
     }
 
     /// Turns the free cells that a recorded map does not know into unknown ones.
-    fn forget_unrecorded(&self, grid: &mut OccupancyGrid) {
+    pub(super) fn forget_unrecorded(&self, grid: &mut OccupancyGrid) {
         let Some(recorded) = &self.recorded else { return };
         for row in 0..grid.rows {
             for column in 0..grid.columns {
@@ -157,11 +158,26 @@ fn span(origin_m: f64, resolution_m: f64, count: usize, from_m: f64, to_m: f64) 
     if last < first { 0..0 } else { first as usize..last as usize + 1 }
 }
 
-fn occupy(grid: &mut OccupancyGrid, outline: &Outline) {
+/// Turns the free cells that the edge of the world cuts, or that lie beyond it, into unknown ones: nobody gets there.
+pub(super) fn beyond_edge(grid: &mut OccupancyGrid, bounds: Rect) {
+    let half = Vector::new(grid.resolution_m, grid.resolution_m) / 2.0 - Vector::new(TOUCH_M, TOUCH_M);
+    let within = Rect { min: bounds.min + half, max: bounds.max - half };
+    for row in 0..grid.rows {
+        for column in 0..grid.columns {
+            if grid.get(column, row) == Cell::Free && !within.contains(grid.centre(column, row)) {
+                grid.set(column, row, Cell::Unknown);
+            }
+        }
+    }
+}
+
+/// What stands beyond the edge of the world is not there.
+pub(super) fn occupy(grid: &mut OccupancyGrid, outline: &Outline, bounds: Rect) {
     for (column, row) in cells_within(grid, outline.bounds()) {
         let centre = grid.centre(column, row);
         let half = Vector::new(grid.resolution_m, grid.resolution_m) / 2.0;
-        if reaches_into(outline, Rect { min: centre - half, max: centre + half }) {
+        let (min, max) = ((centre - half).sup(&bounds.min), (centre + half).inf(&bounds.max));
+        if reaches_into(outline, Rect { min, max }) {
             grid.set(column, row, Cell::Occupied);
         }
     }
@@ -178,26 +194,7 @@ fn reaches_into(outline: &Outline, cell: Rect) -> bool {
             let margin = if corners.len() < 3 { -TOUCH_M } else { TOUCH_M };
             let shrink = Vector::new(margin, margin);
             let inner = Rect { min: cell.min + shrink, max: cell.max - shrink };
-            outline.edges().any(|(a, b)| crosses(a, b, inner)) || outline.contains(inner.centre())
+            outline.edges().any(|(a, b)| part_within(a, b, inner).is_some()) || outline.contains(inner.centre())
         }
     }
-}
-
-/// Whether a segment has a point in the rectangle (Liang and Barsky).
-fn crosses(a: Point, b: Point, rect: Rect) -> bool {
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for axis in 0..2 {
-        let step = b[axis] - a[axis];
-        let (low, high) = (rect.min[axis] - a[axis], rect.max[axis] - a[axis]);
-        if step == 0.0 {
-            if low > 0.0 || high < 0.0 {
-                return false;
-            }
-            continue;
-        }
-        let (enters, leaves) = if step > 0.0 { (low / step, high / step) } else { (high / step, low / step) };
-        from = from.max(enters);
-        to = to.min(leaves);
-    }
-    from <= to
 }

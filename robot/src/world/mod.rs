@@ -3,6 +3,7 @@
 mod blocks;
 mod builtin;
 mod check;
+mod close_up;
 mod greys;
 mod image;
 mod landmark;
@@ -18,12 +19,15 @@ mod start;
 mod tests;
 mod yaml;
 
+pub(crate) use close_up::CloseUp;
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};
 pub use landmark::Landmark;
 pub use lookup::{UnknownName, is_same_name};
+pub(crate) use map::TOUCH_M;
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
+pub(crate) use solid::part_within;
 pub use solid::{DOOR_LEAF_M, Outline, Solid, SolidOrigin, distance_to_segment_m, nearest_on_segment};
 pub use start::StartTaken;
 

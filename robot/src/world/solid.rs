@@ -210,6 +210,25 @@ pub fn nearest_on_segment(point: Point, a: Point, b: Point) -> Point {
     a + along * share
 }
 
+/// The part of a segment in a rectangle, as shares of its length; none if it has no point there (Liang and Barsky).
+pub(crate) fn part_within(a: Point, b: Point, rect: Rect) -> Option<(f64, f64)> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let step = b[axis] - a[axis];
+        let (low, high) = (rect.min[axis] - a[axis], rect.max[axis] - a[axis]);
+        if step == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let (enters, leaves) = if step > 0.0 { (low / step, high / step) } else { (high / step, low / step) };
+        from = from.max(enters);
+        to = to.min(leaves);
+    }
+    (from <= to).then_some((from, to))
+}
+
 /// Area inside a polygon, negative if its corners run clockwise.
 fn signed_area_m2(corners: &[Point]) -> f64 {
     let next = corners.iter().cycle().skip(1);

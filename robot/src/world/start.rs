@@ -1,8 +1,9 @@
 //! Whether a robot has room where a world has it start.
 
-use super::World;
 use super::solid::SolidOrigin;
+use super::{Rect, World};
 use crate::file_text::Finding;
+use crate::geometry::Vector;
 
 /// The robot has no room at the start of a world.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,9 +38,13 @@ impl World {
             };
             there && solid.outline.distance_m(start) < robot_radius_m
         });
+        let Rect { min, max } = self.bounds();
+        let reach = Vector::new(robot_radius_m, robot_radius_m);
+        let is_inside = Rect { min: min + reach, max: max - reach }.contains(start);
         match in_the_way {
             Some(solid) => Err(StartTaken { of: self.called(solid.origin), robot_radius_m }),
-            None => Ok(()),
+            None if is_inside => Ok(()),
+            None => Err(StartTaken { of: "the edge of the world".to_owned(), robot_radius_m }),
         }
     }
 }

@@ -97,6 +97,12 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
         "The way stayed blocked: `obstacle` is `door` or `thing`, or nil where nothing is seen; `room` is the door's, or the one the thing is in; `x` and `y` are where it is.",
     ),
     ("interrupted", "behaviour-failure", &[], "A behaviour lost its valve and gave up its goals."),
+    (
+        "immobile",
+        "behaviour-failure",
+        &[],
+        "The robot was to drive and does not move: its emergency stop is pressed, a wheel is held, the battery is empty.",
+    ),
     ("localization-failure", "behaviour-failure", &[], "The position was not found."),
     ("projection-failure", "failure", &[], "A plan could not be projected, and the message says why."),
     ("host-failure", "failure", &[], "Who moves the robot is gone: the run ends, and no handler keeps it."),

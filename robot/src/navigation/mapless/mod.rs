@@ -2,11 +2,9 @@
 //! the unseen for free until it is seen (the freespace assumption: Koenig and Smirnov 1997,
 //! "Sensor-Based Planning with the Freespace Assumption").
 //!
-//! `profile` is how the robot drives by what it sees, `ways` what it has seen and planned on it, with
-//! `progress`; `guide` how that leads the driver.
+//! `ways` is what it has seen and planned on it, with `progress`; `guide` how that leads the driver.
 
 mod guide;
-mod profile;
 mod progress;
 mod ways;
 

@@ -1,11 +1,11 @@
 //! What a robot without a map has seen, and the way it has planned on that.
 
-use super::profile::DrivingProfile;
 use super::progress::SeenProgress;
 use crate::avoidance::DriveLimits;
 use crate::geometry::{Point, distance_m};
 use crate::navigation::cache::Cache;
 use crate::navigation::input::NavigationInput;
+use crate::navigation::profile::DrivingProfile;
 use crate::obstacles::{Confidence, LearnedMap, ObstacleMemory};
 use crate::planning::{CostGrid, CostToGo, Inflation, path_length_m};
 use crate::sensors::RangeSensor;

@@ -18,6 +18,8 @@ struct Blockage {
     /// On a grid of 10 cm in the map, by which blockages are kept apart and in order.
     cell: (i32, i32),
     until_s: f64,
+    /// No sensor tells that it is gone.
+    is_felt: bool,
 }
 
 impl Blockage {
@@ -42,24 +44,28 @@ impl Blockages {
         self.0.iter().map(Blockage::point_in_map)
     }
 
-    /// Adds what stands at these points, or sees it again.
-    pub fn add(&mut self, points_in_map: &[Point], now_s: f64) {
+    /// Adds what stands at these points, or sees it again; with each whether it was felt.
+    pub fn add(&mut self, points_in_map: &[(Point, bool)], now_s: f64) {
         let until_s = now_s + BLOCKAGE_S;
-        for point in points_in_map {
+        for &(point, is_felt) in points_in_map {
             let cell = (libm::floor(point.x / BLOCKAGE_GRAIN_M) as i32, libm::floor(point.y / BLOCKAGE_GRAIN_M) as i32);
             match self.0.binary_search_by(|blockage| blockage.cell.cmp(&cell)) {
-                Ok(index) => self.0[index].until_s = until_s,
-                Err(index) => self.0.insert(index, Blockage { cell, until_s }),
+                Ok(index) => {
+                    self.0[index].until_s = until_s;
+                    self.0[index].is_felt |= is_felt;
+                }
+                Err(index) => self.0.insert(index, Blockage { cell, until_s, is_felt }),
             }
         }
     }
 
-    /// Forgets what was added long ago, and what is seen to be gone: at these points something is seen.
+    /// Forgets what was added long ago, and what was seen and is seen to be gone: at these points something is seen.
     pub fn forget(&mut self, here: Point, seen_in_map: &[Point], now_s: f64) {
         self.0.retain(|blockage| {
             let at = blockage.point_in_map();
             let is_far = distance_m(here, at) > BLOCKAGE_SIGHT_M;
-            let is_there = is_far || seen_in_map.iter().any(|&point| distance_m(point, at) <= BLOCKAGE_OFF_M);
+            let is_there =
+                is_far || blockage.is_felt || seen_in_map.iter().any(|&point| distance_m(point, at) <= BLOCKAGE_OFF_M);
             is_there && blockage.until_s > now_s
         });
     }

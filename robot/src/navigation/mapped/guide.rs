@@ -6,8 +6,9 @@ use crate::avoidance::CollisionAvoidance;
 use crate::geometry::{Point, Pose, Transform, distance_m};
 use crate::navigation::driver::{Driver, Guidance, Guide};
 use crate::navigation::input::NavigationInput;
-use crate::obstacles::aligned;
-use crate::planning::{Target, is_passed};
+use crate::navigation::profile::DrivingProfile;
+use crate::obstacles::{aligned, aligned_in_narrow};
+use crate::planning::{Patch, Target, is_passed};
 use crate::world::TravelMode;
 
 /// How far along the way the point lies that the collision avoidance heads for.
@@ -22,8 +23,13 @@ const LOOK_S: f64 = 0.5;
 const LOOK_M: f64 = 2.0;
 /// What comes this much nearer to the way than the robot's disc stands in it.
 const BESIDE_WAY_M: f64 = 0.03;
-/// Obstacles of the map are looked up this far around the robot while it sees nothing.
+/// Obstacles of the map are looked up this far around the robot while it sees nothing, and its open edge always.
 const MAP_SUPPORT_M: f64 = 1.2;
+
+/// Surfaces of narrow places are looked up this far around the robot ...
+const SURFACES_M: f64 = 0.9;
+/// ... and a reading is off them by no more.
+const OFF_SURFACE_M: f64 = 0.08;
 
 /// The guide of one step.
 pub(super) struct MapGuide<'s> {
@@ -42,7 +48,10 @@ impl Guide for MapGuide<'_> {
     }
 
     fn driving_pose(&self) -> Pose {
-        if self.input.sees() {
+        let narrow = self.model.planner.narrow_places(self.estimated_in_map.point());
+        if !narrow.is_empty() {
+            aligned_in_narrow(&narrow, &self.ways.memory, self.input.odometry_in_odom, self.estimated_in_map)
+        } else if self.input.sees() {
             self.estimated_in_map
         } else {
             aligned(&self.model.planner, &self.ways.memory, self.input.odometry_in_odom, self.estimated_in_map)
@@ -92,20 +101,53 @@ impl Guide for MapGuide<'_> {
     fn obstacles_in_base(&self, robot: Pose) -> Vec<Point> {
         let mut obstacles_in_base = Vec::new();
         self.ways.memory.append_in_base(self.input.odometry_in_odom, &mut obstacles_in_base);
+        let narrow = self.model.planner.narrow_places(robot.point());
+        if !narrow.is_empty() {
+            put_onto_map(&narrow, robot, &mut obstacles_in_base);
+        }
+        let map_in_base = Transform::new(robot.inverse());
         if !self.input.sees() {
-            let map_in_base = Transform::new(robot.inverse());
             let mapped = self.model.planner.obstacle_edges_near(robot.point(), MAP_SUPPORT_M);
             obstacles_in_base.extend(mapped.into_iter().map(|point| map_in_base.apply(point)));
         }
+        // No sensor finds it.
+        let edge = self.model.planner.open_edge_near(robot.point(), MAP_SUPPORT_M);
+        obstacles_in_base.extend(edge.map(|point| map_in_base.apply(point)));
         obstacles_in_base
     }
 
-    fn speed_limit_mps(&self, _: &[Point]) -> f64 {
-        self.model.limits.speed_limit_mps(self.mode)
+    fn speed_limit_mps(&self, obstacles_in_base: &[Point]) -> f64 {
+        let limit_mps = self.model.limits.speed_limit_mps(self.mode);
+        match self.is_narrow() {
+            true => limit_mps.min(DrivingProfile::IN_NARROW.speed_in_gap_mps(&self.model.limits, obstacles_in_base)),
+            false => limit_mps,
+        }
     }
 }
 
+/// In a narrow place the air there is is less than the noise of single readings. What is seen within reach of a surface
+/// of the map is of it, and the surface is where the map has it.
+fn put_onto_map(narrow: &[&Patch], robot: Pose, obstacles_in_base: &mut Vec<Point>) {
+    let base_in_map = Transform::new(robot);
+    obstacles_in_base.retain(|&point| {
+        let at = base_in_map.apply(point);
+        narrow.iter().filter_map(|patch| patch.off_surface_m(at)).all(|off_m| off_m > OFF_SURFACE_M)
+    });
+    let map_in_base = Transform::new(robot.inverse());
+    let surfaces = narrow.iter().enumerate().flat_map(|(number, patch)| {
+        // Patches overlap.
+        patch.surfaces().filter(move |&at| narrow[..number].iter().all(|other| other.off_surface_m(at).is_none()))
+    });
+    let near = surfaces.filter(|at| distance_m(*at, robot.point()) < SURFACES_M);
+    obstacles_in_base.extend(near.map(|at| map_in_base.apply(at)));
+}
+
 impl MapGuide<'_> {
+    /// Whether the robot is beside a narrow place.
+    pub fn is_narrow(&self) -> bool {
+        !self.model.planner.narrow_places(self.estimated_in_map.point()).is_empty()
+    }
+
     /// The point to head for. If something stands at an intermediate target, the next target is
     /// headed for instead. Without any way the blockages are forgotten, for some may have gone. If
     /// there still is none, doors found closed are tried: somebody may open them.
@@ -152,7 +194,7 @@ impl MapGuide<'_> {
             return;
         }
         self.ways.next_look_s = now_s + LOOK_S;
-        let seen = self.ways.sharp_points(robot, odometry_in_odom, |_| true);
+        let seen = self.ways.sharp_points(robot, odometry_in_odom);
         self.ways.blockages.forget(robot.point(), &seen, now_s);
         self.look_at_doors(driver, robot, &seen);
         if self.ways.doubts_map(now_s) {
@@ -160,22 +202,25 @@ impl MapGuide<'_> {
             let costs = self.ways.costs(self.model, first, now_s);
             let way = costs.around.way_ahead(robot.point(), LOOK_M).unwrap_or_default();
             let reach_m = self.model.limits.robot_radius_m + BESIDE_WAY_M;
-            let stands_in_way = |point: &Point| way.iter().any(|&on_way| distance_m(on_way, *point) < reach_m);
+            // What the robot touches was in its way.
+            let stands_in_way = |&(point, is_felt): &(Point, bool)| {
+                is_felt || way.iter().any(|&on_way| distance_m(on_way, point) < reach_m)
+            };
             if unmapped.iter().any(stands_in_way) {
                 self.ways.blockages.add(&unmapped, now_s);
             }
         }
     }
 
-    /// A door found closed, or open again, is a new task: there is time for the way that is now the
-    /// best, and nothing to escape from.
+    /// A door found closed, or open again, is a new task: there is nothing to escape from.
     fn look_at_doors(&mut self, driver: &mut Driver, robot: Pose, seen_in_map: &[Point]) {
         let now_s = driver.now_s;
         let before = self.ways.closed_doors(now_s);
         let robot_width_m = 2.0 * self.model.limits.robot_radius_m;
         self.ways.doors.look(&self.model.doorways, robot.point(), seen_in_map, robot_width_m, now_s, LOOK_S);
-        if self.ways.closed_doors(now_s) != before {
-            self.ways.progress.start_again(now_s);
+        let closed = self.ways.closed_doors(now_s);
+        if closed != before {
+            self.ways.progress.find_doors(now_s, &before, &closed);
             driver.avoidance = CollisionAvoidance::default();
         }
     }

@@ -19,12 +19,14 @@ pub use obstruction::Obstruction;
 
 use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
+use super::profile::DrivingProfile;
 use crate::avoidance::CollisionAvoidance;
 use crate::geometry::{Point, Pose, Transform, wrap_angle_rad};
 use crate::obstacles::RememberedPoint;
 use crate::planning::Target;
 use crate::world::TravelMode;
 use guide::MapGuide;
+use progress::MapProgress;
 use serde::{Deserialize, Serialize};
 use ways::MapWays;
 
@@ -38,10 +40,25 @@ pub struct MappedNavigation {
     ways: MapWays,
     /// Estimate and odometry of the step before.
     last: Option<(Pose, Pose)>,
+    /// The drive that was interrupted, as long as no other was begun.
+    interrupted: Option<InterruptedDrive>,
+}
+
+/// A drive that may go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct InterruptedDrive {
+    goal_in_map: Point,
+    progress: MapProgress,
+    /// Estimate and odometry when it was interrupted.
+    at: (Pose, Pose),
 }
 
 /// A robot that wanted its sonars in a doorway wants them at least for so long.
 const SEEING_IN_DOOR_S: f64 = 1.0;
+/// A robot that was interrupted is in the same place if the estimate differs from the odometry since by no more than
+/// what that may have erred.
+const SAME_PLACE_M: f64 = 1.5;
+const SAME_PLACE_RAD: f64 = 0.8;
 /// An estimate that moves so much more than the odometry has jumped.
 const JUMP_M: f64 = 0.4;
 const JUMP_RAD: f64 = 0.5;
@@ -58,16 +75,32 @@ impl MappedNavigation {
 
     /// Begins to drive to these targets, in order, instead of any others. What the sensors saw and
     /// which doors were found closed is kept. The way is blocked when for `patience_s` the robot has
-    /// come no nearer.
+    /// come no nearer, those before an interruption included if the last target is the same.
     pub fn start(&mut self, targets: Vec<Target>, patience_s: f64) {
+        let goal_in_map = targets.last().map(|target| target.point_in_frame);
+        self.interrupted = self.interrupted.take().filter(|drive| Some(drive.goal_in_map) == goal_in_map);
         self.driver.start(targets);
         self.ways.start(self.driver.now_s, patience_s);
         self.last = None;
     }
 
-    /// Deletes all targets: how another process interrupts the navigation. Not an arrival.
+    /// Deletes all targets. Not an arrival.
     pub fn remove_all_targets(&mut self) {
         self.start(Vec::new(), Self::PATIENCE_S);
+    }
+
+    /// The same, but the next drive to the last of them goes on with this one.
+    pub fn interrupt(&mut self) {
+        let goal = self.driver.targets.last().map(|target| target.point_in_frame);
+        let drive = goal.zip(self.last).map(|(goal_in_map, at)| InterruptedDrive {
+            goal_in_map,
+            progress: self.ways.progress.clone(),
+            at,
+        });
+        // One that was interrupted before its first step is still that before it.
+        let interrupted = drive.or(self.interrupted.take());
+        self.remove_all_targets();
+        self.interrupted = interrupted;
     }
 
     /// Targets not yet reached.
@@ -92,9 +125,8 @@ impl MappedNavigation {
         estimated_in_map: Pose,
         odometry_in_odom: Pose,
     ) -> Vec<Point> {
-        let mut points = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
-        points.extend(self.ways.blockages.points_in_map());
-        points
+        let unmapped = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
+        unmapped.into_iter().map(|(point, _)| point).chain(self.ways.blockages.points_in_map()).collect()
     }
 
     /// Time passes in which there is nothing to do and nothing to see.
@@ -116,7 +148,10 @@ impl MappedNavigation {
         self.sense(model, estimated_in_map, input);
         self.want_sonars(input.bumped, mode);
         self.notice_jump(estimated_in_map, input.odometry_in_odom);
+        self.go_on(estimated_in_map, input.odometry_in_odom);
         let mut guide = MapGuide { ways: &mut self.ways, model, estimated_in_map, input, mode };
+        let in_narrow = DrivingProfile::IN_NARROW.limits(limits);
+        let limits = if guide.is_narrow() { &in_narrow } else { limits };
         let decision = self.driver.step(&mut guide, limits, input);
         let needs_sonars = self.driver.is_active() && self.driver.now_s < self.ways.sonars_until_s;
         self.driver.output(decision, needs_sonars)
@@ -138,6 +173,19 @@ impl MappedNavigation {
         } else if mode == TravelMode::Doorway && now_s < self.ways.sonars_until_s {
             // Not off again half way through the door: memory and estimate were not good enough.
             self.ways.sonars_until_s = self.ways.sonars_until_s.max(now_s + SEEING_IN_DOOR_S);
+        }
+    }
+
+    /// A drive that was begun goes on with the interrupted one.
+    fn go_on(&mut self, estimated_in_map: Pose, odometry_in_odom: Pose) {
+        if !self.driver.is_active() {
+            return;
+        }
+        if let Some(InterruptedDrive { progress, at: (estimated_then, odometry_then), .. }) = self.interrupted.take() {
+            let expected = estimated_then.compose(odometry_in_odom.relative_to(odometry_then));
+            let off_rad = wrap_angle_rad(estimated_in_map.heading_rad - expected.heading_rad).abs();
+            let is_same_place = estimated_in_map.distance_m(expected) <= SAME_PLACE_M && off_rad <= SAME_PLACE_RAD;
+            self.ways.progress.go_on(self.driver.now_s, progress, is_same_place);
         }
     }
 

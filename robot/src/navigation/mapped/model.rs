@@ -26,7 +26,7 @@ impl NavigationModel {
 
     /// The map of a world at 10 cm, and its doors.
     pub fn new(world: &World, limits: DriveLimits) -> Self {
-        let planner = PlannerModel::new(&world.map(Self::CELL_M), Inflation::of_robot(limits.robot_radius_m));
+        let planner = PlannerModel::of_world(world, Self::CELL_M, Inflation::of_robot(limits.robot_radius_m));
         Self { planner: Arc::new(planner), costs_to_go: CostsToGo::default(), doorways: Doorway::all(world), limits }
     }
 

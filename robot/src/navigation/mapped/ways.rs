@@ -31,8 +31,10 @@ pub(super) struct MapWays {
 
 /// After being held up or touched the robot wants its sonars for so long.
 const SEEING_S: f64 = 5.0;
-/// An obstacle point this far from all obstacles of the map is unmapped.
+/// An obstacle point this far from all obstacles of the map is unmapped ...
 const UNMAPPED_M: f64 = 0.3;
+/// ... and one that was felt this far.
+const UNMAPPED_FELT_M: f64 = 0.15;
 /// Readings up to this are sharp enough to plan around.
 const SHARP_RANGE_M: f64 = 1.5;
 /// Where there is no way around them, blockages or closed doors are not planned around for so long.
@@ -97,31 +99,38 @@ impl MapWays {
     pub fn forget_where_things_are(&mut self, now_s: f64) {
         self.blockages.clear();
         self.doors = DoorMemory::default();
-        self.progress.measure_other_way();
+        self.progress.measure_from_elsewhere();
         self.next_look_s = now_s;
     }
 
-    /// What was seen sharply, and counts, in the map.
-    pub fn sharp_points(
-        &self,
-        estimated_in_map: Pose,
-        odometry_in_odom: Pose,
-        counts: impl Fn(&RememberedPoint) -> bool,
-    ) -> Vec<Point> {
-        let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
-        let sharp = self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M && counts(point));
-        sharp.map(|point| odom_in_map.apply(point.point_in_odom)).collect()
+    /// What was seen sharply, or felt, in the map.
+    pub fn sharp_points(&self, estimated_in_map: Pose, odometry_in_odom: Pose) -> Vec<Point> {
+        let to_map = to_map(estimated_in_map, odometry_in_odom);
+        self.sharp().map(|point| to_map.apply(point.point_in_odom)).collect()
     }
 
-    /// Those of them that stand there and are not in the map.
+    /// What of it stands there and is not in the map; with each whether it was felt.
     pub fn unmapped_points(
         &self,
         model: &NavigationModel,
         estimated_in_map: Pose,
         odometry_in_odom: Pose,
-    ) -> Vec<Point> {
-        let mut points = self.sharp_points(estimated_in_map, odometry_in_odom, RememberedPoint::stands);
-        points.retain(|&point_in_map| model.planner.obstacle_distance_m(point_in_map) > UNMAPPED_M);
-        points
+    ) -> Vec<(Point, bool)> {
+        let to_map = to_map(estimated_in_map, odometry_in_odom);
+        let standing = self.sharp().filter(|point| point.stands());
+        let in_map = standing.map(|point| (to_map.apply(point.point_in_odom), point.is_felt()));
+        let is_unmapped = |&(point_in_map, is_felt): &(Point, bool)| {
+            let least_m = if is_felt { UNMAPPED_FELT_M } else { UNMAPPED_M };
+            model.planner.obstacle_distance_m(point_in_map) > least_m
+        };
+        in_map.filter(is_unmapped).collect()
     }
+
+    fn sharp(&self) -> impl Iterator<Item = &RememberedPoint> {
+        self.memory.points().iter().filter(|point| point.range_m <= SHARP_RANGE_M)
+    }
+}
+
+fn to_map(estimated_in_map: Pose, odometry_in_odom: Pose) -> Transform {
+    Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()))
 }

@@ -127,3 +127,20 @@ fn what_held_the_robot_up_on_one_path_says_nothing_against_the_next() {
     let percept = simulator.step(&mut state, &commands);
     assert_eq!(drive.step(&DriveLimits::default(), &input(&simulator, &percept), 0.3).status, DriveStatus::Driving);
 }
+
+/// Nothing sees the thing that stands in the way: the bumper alone tells of it.
+#[test]
+fn what_the_robot_has_run_into_is_driven_around() {
+    let mut world = hall(&[], SeenBy { sonar: true, laser: true });
+    let shape = Shape::Rect(Rect { min: Point::new(3.4, 2.9), max: Point::new(3.6, 4.1) });
+    let unseen = SeenBy { sonar: false, laser: false };
+    world.objects.push(Object { name: "pane".to_owned(), shape, mapped: false, seen_by: unseen });
+    world.start_in_map = Pose::new(1.5, 3.5, 0.0);
+    let scene = Scene::new(world);
+    for seed in 0..4 {
+        let goal = Target::at(Pose::new(5.8, 3.5, 0.0));
+        let outcome = drive(&scene, scene.world.start_in_map, vec![goal], seed, 0.0);
+        assert_eq!(outcome.event, Some(NavigationEvent::Arrived), "seed {seed}: {outcome:?}");
+        assert!((1..=4).contains(&outcome.contacts), "seed {seed}: {outcome:?}");
+    }
+}

@@ -249,10 +249,17 @@ impl Module for Navigating {
     }
 
     fn stop(&mut self, _: usize, why: StopReason, tell: &mut Telling<'_>) {
-        self.remove_all_targets();
         let phase = match why {
-            StopReason::Deactivated => Phase::Inactive,
-            StopReason::Interrupted => Phase::Interrupted,
+            StopReason::Deactivated => {
+                self.remove_all_targets();
+                Phase::Inactive
+            }
+            StopReason::Interrupted => {
+                self.mapped.interrupt();
+                self.mapless.remove_all_targets();
+                self.driving = None;
+                Phase::Interrupted
+            }
         };
         self.publish_goals(phase, tell);
     }

@@ -1,6 +1,7 @@
 //! Costs, ways and plans beside other means of finding them.
 
 mod costs;
+mod narrow;
 mod octile;
 mod paths;
 mod plans;
@@ -34,7 +35,7 @@ struct Building {
 impl Building {
     fn new(world: World) -> Self {
         let world = Arc::new(world);
-        let planner = PlannerModel::new(&world.map(0.1), Inflation::of_robot(0.265));
+        let planner = PlannerModel::of_world(&world, 0.1, Inflation::of_robot(0.265));
         let topology = TopologicalModel::new(&world, &planner);
         Self { world, planner, topology }
     }

@@ -175,7 +175,10 @@ fn what_cannot_be_got_to_is_told_with_its_key() {
         ),
         (
             format!("{GAP}[[door]]\nroom = \"east\"\nat = [9.9, 3.0]\nwidth = 0.9\naxis = \"y\"\n"),
-            &["door 0 at: the door of room `east` at (9.90, 3.00) leads nowhere"],
+            &[
+                "top size: the world ends in open floor along 0.8 m of its edge, the longest stretch from (10.00, 2.60) to",
+                "door 0 at: the door of room `east` at (9.90, 3.00) leads nowhere",
+            ],
         ),
     ] {
         let found = concerns(&building(&between));
@@ -183,5 +186,26 @@ fn what_cannot_be_got_to_is_told_with_its_key() {
         for (found, expected) in found.iter().zip(expected) {
             assert!(found.starts_with(expected), "{found}\nshould begin with {expected}");
         }
+    }
+}
+
+#[test]
+fn why_the_robot_does_not_fit_is_what_is_nearest() {
+    use crate::occupancy::{Cell, OccupancyGrid};
+    // Floor of 4 × 4 m in a field that is not known, with a wall far off, and to the south the edge of the map.
+    let mut map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.05, 160, 120, Cell::Unknown);
+    for (column, row) in (0..80).flat_map(|column| (0..80).map(move |row| (column + 40, row))) {
+        map.set(column, row, Cell::Free);
+    }
+    (0..80).for_each(|row| map.set(130, row, Cell::Occupied));
+    let building = Building::new(World::from_map("field", map, 0.265).expect("there is room"));
+    for (x, y, expected) in [
+        (5.95, 2.0, "the robot does not fit: floor that the map does not know is 0.05 m away"),
+        (6.3, 2.0, "the map knows no floor"),
+        (4.0, 0.1, "the robot does not fit: the edge of the world is 0.10 m away"),
+        (4.0, -2.0, "there is no floor: the world reaches from (0.00, 0.00) to (8.00, 6.00)"),
+    ] {
+        let why = building.topology.why_no_room(&building.planner, Point::new(x, y));
+        assert!(why.starts_with(expected), "{why}\nshould begin with {expected}");
     }
 }

@@ -1,4 +1,5 @@
 mod camera;
+mod edge;
 mod hands;
 mod motion;
 mod people;
@@ -18,6 +19,13 @@ fn model(world: &str, settings: SimulatorSettings) -> SimulatorModel {
 
 /// A small empty hall of 10 x 6 m, the robot in its middle looking east, with more text after it.
 fn hall(settings: SimulatorSettings, more: &str) -> SimulatorModel {
+    const WALLS: &str =
+        "[[wall]]\nline = [[0.0, 0.0], [10.0, 0.0], [10.0, 6.0], [0.0, 6.0], [0.0, 0.0]]\nthickness = 0.0";
+    open_lot(settings, &format!("{more}\n{WALLS}"))
+}
+
+/// The same without walls.
+fn open_lot(settings: SimulatorSettings, more: &str) -> SimulatorModel {
     let text = format!("name = \"hall\"\nsize = [10.0, 6.0]\nstart = [5.0, 3.0, 0]\n{more}");
     SimulatorModel::new(Arc::new(World::parse(&text, "hall.toml").expect("no faults")), settings)
 }

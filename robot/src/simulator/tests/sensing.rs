@@ -57,7 +57,7 @@ fn present_forms(model: &SimulatorModel, state: &SimulatorState) -> Vec<SurfaceF
     let fixed = model.surfaces.iter().filter(|surface| state.is_there(surface.origin)).map(|surface| surface.form);
     let mut forms: Vec<SurfaceForm> = fixed.collect();
     for object in &state.objects_added {
-        forms.extend(forms_of(&object.outline()));
+        forms.extend(forms_of(&object.outline(), model.world.bounds()));
     }
     forms
 }

@@ -9,6 +9,7 @@ mod doubt;
 mod examples;
 mod foresight;
 mod host;
+mod immobile;
 mod installed_rules;
 mod instructions;
 mod interruption;
