@@ -257,6 +257,7 @@ impl Beliefs {
     pub(super) fn see(&mut self, model: &LocalizationModel, sighting: &LandmarkSighting) {
         if !self.is_led_by_coarse {
             self.fine.see(model, sighting);
+            self.contest.see(sighting);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.see(coarse_model, sighting, self.mode.pose_in_map);
@@ -407,8 +408,7 @@ mod tests {
         coarse.mix(coarse_model, 0.7);
         let agreed = |support_nats: f64| {
             let (mode, watcher) = (fine.mode(&model), Some(Watcher::awake(coarse.clone())));
-            let fine = fine.clone();
-            let mut beliefs = Beliefs { fine, watcher, is_led_by_coarse: false, mode, agreed: 1.0, support_nats };
+            let mut beliefs = Beliefs { watcher, mode, support_nats, ..Beliefs::of(&model, fine.clone(), None) };
             beliefs.settle(&model);
             (beliefs.mode.mass > 0.9).then_some(beliefs.agreed)
         };

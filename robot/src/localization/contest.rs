@@ -1,5 +1,6 @@
 //! Whether scans of late speak for another place than the tracked one, or for a map that has aged.
 
+use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
@@ -23,6 +24,9 @@ const GONE_NATS: f64 = 3.5;
 /// The same for something that stands in a region and is not in the map, furniture or people.
 const NEW_NATS: f64 = 2.3;
 
+/// The same for a landmark that was seen where none is.
+const MISTAKEN_NATS: f64 = 2.3;
+
 /// Another place must explain scans better by this, in nats: a robot is seldom carried away. Chosen, not fitted.
 const CARRIED_NATS: f64 = 12.0;
 
@@ -42,6 +46,8 @@ struct Heard {
     /// The tracked pose after it.
     tracked_in_map: Pose,
     scans: Vec<BinnedScan>,
+    /// Landmarks that were seen then.
+    sightings: Vec<LandmarkSighting>,
 }
 
 /// The scans of late.
@@ -65,7 +71,14 @@ impl Contest {
         if self.heard.len() == KEPT_UPDATES {
             self.heard.pop_front();
         }
-        self.heard.push_back(Heard { motion, tracked_in_map, scans: scans.to_vec() });
+        self.heard.push_back(Heard { motion, tracked_in_map, scans: scans.to_vec(), sightings: Vec::new() });
+    }
+
+    /// Takes in a landmark that was seen at the last update.
+    pub(super) fn see(&mut self, sighting: &LandmarkSighting) {
+        if let Some(last) = self.heard.back_mut() {
+            last.sightings.push(sighting.clone());
+        }
     }
 
     /// Nothing is tracked any more.
@@ -74,8 +87,11 @@ impl Contest {
     }
 
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
-    /// must have been carried there. O(updates · beams · places).
+    /// must have been carried there; without scans nothing can be laid to the map. O(updates · beams · places).
     pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
+        if self.heard.is_empty() {
+            return true;
+        }
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
         let own = self.costs(model, &tracked);
         places.iter().any(|place| {
@@ -115,6 +131,8 @@ impl Contest {
         let (mut regions, mut nats) = (BTreeMap::<[i64; 2], f64>::new(), 0.0);
         let costs = self.heard.iter().rev().zip(poses).map(|(heard, &pose)| {
             nats += explained(model, pose, &heard.scans, &mut regions);
+            let unexplained = heard.sightings.iter().filter(|sighting| !model.explains(pose, sighting));
+            nats += MISTAKEN_NATS * unexplained.count() as f64;
             nats
         });
         costs.collect()
@@ -160,4 +178,78 @@ fn explained(
         }
     }
     added
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::localization::{LocalizationParameters, ScanParameters};
+    use crate::occupancy::{Cell, OccupancyGrid};
+    use crate::sensors::LaserScanner;
+
+    /// Two rooms of 6 × 6 m beside each other, each with a box, as lower left corners.
+    fn rooms(boxes_m: [[f64; 2]; 2]) -> LocalizationModel {
+        let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 121, 61, Cell::Free);
+        for (column, row) in (0..61).flat_map(|row| (0..121).map(move |column| (column, row))) {
+            let at = map.centre(column, row);
+            let in_box = |[x_m, y_m]: [f64; 2]| (x_m..x_m + 1.0).contains(&at.x) && (y_m..y_m + 1.0).contains(&at.y);
+            if column % 60 == 0 || row % 60 == 0 || boxes_m.into_iter().any(in_box) {
+                map.set(column, row, Cell::Occupied);
+            }
+        }
+        let scanner = LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 };
+        let sensors = vec![ScanParameters::laser(&scanner)];
+        let parameters = LocalizationParameters { sensors, watch: None, ..LocalizationParameters::default() };
+        LocalizationModel::new(&map, parameters).expect("it is a map")
+    }
+
+    /// Whether a robot that is tracked in the left room, driving up, and sees what is to be seen from there or from
+    /// elsewhere, is taken to be in the right one.
+    fn is_carried(model: &LocalizationModel, truth: &LocalizationModel, updates: usize, from: Pose) -> bool {
+        let mut contest = Contest::default();
+        let motion = Pose::new(0.15, 0.0, 0.0);
+        let (mut seen_from, mut tracked) = (from, Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2));
+        let other = Pose::new(tracked.x_m + 6.0, tracked.y_m, tracked.heading_rad);
+        let mut place = other;
+        for _ in 0..updates {
+            let state = truth.state_at(seen_from).expect("a pose on the map");
+            contest.hear(motion, tracked, &[truth.expected_scan(0, state).into_iter().map(Some).collect()]);
+            (seen_from, tracked, place) = (seen_from.compose(motion), tracked.compose(motion), place.compose(motion));
+        }
+        let last_in_map = place.compose(motion.inverse());
+        contest.is_won_by(model, &[Maximum { pose_in_map: last_in_map, mass: 0.5 }])
+    }
+
+    #[test]
+    fn a_box_that_was_moved_does_not_carry_the_robot_away_however_long_it_is_looked_at() {
+        let model = rooms([[3.0, 4.0], [10.0, 4.0]]);
+        // In the left room the box stands now where it does in the right one.
+        let truth = rooms([[4.0, 4.0], [10.0, 4.0]]);
+        let here = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
+        for updates in [1, 5, 15] {
+            assert!(!is_carried(&model, &truth, updates, here), "{updates}");
+        }
+    }
+
+    #[test]
+    fn a_robot_that_was_carried_is_told_by_few_scans() {
+        let model = rooms([[3.0, 2.0], [10.0, 4.4]]);
+        let there = Pose::new(8.0, 1.5, std::f64::consts::FRAC_PI_2);
+        assert!(is_carried(&model, &model, 4, there));
+    }
+
+    #[test]
+    fn one_region_costs_the_same_however_often_it_is_seen() {
+        let model = rooms([[3.0, 4.0], [10.0, 4.0]]);
+        let truth = rooms([[-5.0, 4.0], [10.0, 4.0]]);
+        let pose = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
+        let state = truth.state_at(pose).expect("a pose on the map");
+        let scan: BinnedScan = truth.expected_scan(0, state).into_iter().map(Some).collect();
+        let mut regions = BTreeMap::new();
+        let costs: Vec<f64> =
+            (0..20).map(|_| explained(&model, pose, std::slice::from_ref(&scan), &mut regions)).collect();
+        assert!(costs.iter().sum::<f64>() > 0.0 && costs[19] == 0.0, "{costs:?}");
+        assert!(regions.values().all(|&nats| nats <= GONE_NATS));
+    }
 }

@@ -4,6 +4,7 @@ use super::belief::Belief;
 use super::grid::{Place, TILE, TILE_EDGE};
 use super::kernel;
 use super::model::LocalizationModel;
+use super::summary::NEAR_M;
 use super::tile::Tile;
 use crate::geometry::{Point, Pose, Transform, Vector};
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,12 @@ impl LocalizationModel {
             })
         };
         sighting.candidates_in_map.iter().filter_map(spot).collect()
+    }
+
+    /// Whether one of the landmarks that a sighting may be of is seen so from about a pose, within 0.5 m.
+    pub(super) fn explains(&self, pose_in_map: Pose, sighting: &LandmarkSighting) -> bool {
+        let spots = self.spots(sighting, pose_in_map.heading_rad);
+        spots.iter().any(|spot| (spot.in_map - pose_in_map.point()).norm() <= NEAR_M)
     }
 
     fn admissible_m2(&self) -> f64 {

@@ -1,5 +1,6 @@
 //! Facts about the whole filter, on maps small enough to compute everything by hand.
 
+mod dead_reckoning;
 mod gating;
 mod odometry_faults;
 mod sleeping;
