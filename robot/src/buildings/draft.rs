@@ -159,7 +159,7 @@ fn is_free(grid: &OccupancyGrid, bounds: Rect) -> bool {
     (first.1..=last.1).all(|row| (first.0..=last.0).all(|column| grid.get(column, row) == Cell::Free))
 }
 
-/// A length, short ones more often than long ones: half of them within a third of the smaller side, by ratios.
+/// A length, short ones more often than long ones: half of them in the lowest quarter, by ratios.
 pub(super) fn mostly_short(stream: &mut Stream, least_m: f64, most_m: f64) -> f64 {
     let share = stream.uniform();
     least_m * libm::pow(most_m / least_m, share * share)

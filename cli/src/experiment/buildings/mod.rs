@@ -44,22 +44,32 @@ const SLIP: f64 = 10.0;
 pub struct Buildings {
     request: ExperimentRequest,
     rows: Vec<BuildingRow>,
+    /// What the buildings of each row are drawn on.
+    plots: Vec<Arc<Plot>>,
 }
 
 impl Buildings {
     /// What is asked for.
     ///
     /// # Errors
-    /// No row has the name, or there is no map.
+    /// No row has the name, there is no map, or a map has faults.
     pub fn new(request: ExperimentRequest) -> Result<Self> {
         let rows = BuildingRow::asked(&request)?;
-        Ok(Self { request, rows })
+        let mut plots: Vec<Arc<Plot>> = Vec::new();
+        for (index, row) in rows.iter().enumerate() {
+            let plot = match plots.last() {
+                Some(last) if rows[index - 1].ground == row.ground => last.clone(),
+                _ => Arc::new(Plot::of(&row.ground, request.robot.radius_m)?),
+            };
+            plots.push(plot);
+        }
+        Ok(Self { request, rows, plots })
     }
 }
 
 /// What all runs of a series share.
 pub struct BuildingGround {
-    plot: Plot,
+    plot: Arc<Plot>,
     library: Arc<Library>,
     errand: Loaded,
     /// The robot as it really is.
@@ -98,7 +108,7 @@ impl ExperimentKind for Buildings {
     fn ground(&self, series: usize) -> Result<BuildingGround> {
         let row = &self.rows[series];
         let robot = &self.request.robot;
-        let plot = Plot::of(&row.ground, robot.radius_m)?;
+        let plot = self.plots[series].clone();
         let library = robot_library(own_modules(), Vec::new())?;
         let simulated = match row.disturbance {
             Disturbance::Slip => {
