@@ -23,6 +23,7 @@ mod host;
 mod model;
 mod module;
 mod names;
+mod one_scan;
 mod plan_text;
 mod position;
 mod report;
