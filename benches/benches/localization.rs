@@ -6,11 +6,15 @@
 use rpl_benches::{Question, Report, least_ms};
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose};
+use rpl_robot::localization::once::ScanLocator;
+use rpl_robot::localization::once::trial::{TrialGround, TrialScan, TrialSensor, Verdict};
 use rpl_robot::localization::{
     Belief, Instructions, Localization, LocalizationModel, LocalizationParameters, ScanModel, ScanParameters, Spread,
     State,
 };
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
+use rpl_robot::sensors::LaserScanner;
+use rpl_robot::world::World;
 use std::hint::black_box;
 
 const RUNS: usize = 25;
@@ -135,6 +139,7 @@ fn main() {
     }
     selective(&report, &full);
     tracked(&report);
+    one_scan(&report);
 }
 
 /// Names and targets of the rows for one set of instructions.
@@ -344,6 +349,32 @@ fn tracked(report: &Report) {
             ms / steps.len() as f64
         });
     }
+}
+
+/// One scan of 360 rays, a third of them ending at people, against the whole science hall: 2,350 m².
+fn one_scan(report: &Report) {
+    let what = "one scan of 360 rays against 2,350 m²: all poses that explain it, the mean of 40 scans";
+    let peers = "CBGL less than 4,000 for 2,000 m² (arXiv 2307.14247)";
+    report.row(Question::new("one-scan", what, "ms", 50.0, peers), || {
+        let laser = LaserScanner { readings: 360, resolution_deg: 1.0, range_m: 8.0 };
+        let Some(world) = World::builtin("olin-rice") else { return f64::NAN };
+        let map = world.map_centred(0.05);
+        let locator = match ScanLocator::new(&map, &ScanParameters::laser(&laser).beam, 0.2) {
+            Ok(locator) => locator,
+            Err(error) => panic!("{error}"),
+        };
+        let (ground, sensor) = (TrialGround::new(map, 0.2), TrialSensor::laser(&laser));
+        let mut stream = Stream::new(5, "scans");
+        let scans: Vec<TrialScan> = (0..40).map(|_| ground.draw(&sensor, 1.0 / 3.0, &mut stream)).collect();
+        let of_all = |scan: &TrialScan| Verdict::of(&locator.locate(&scan.beams), scan.robot_in_map);
+        let named = scans.iter().filter(|scan| of_all(scan).is_named).count();
+        assert!(named >= 38, "{named} of {}", scans.len());
+        let all_ms = on(1, || {
+            let locate = || scans.iter().for_each(|scan| drop(black_box(locator.locate(&scan.beams))));
+            least_ms(RUNS / 5, true, || (), locate)
+        });
+        all_ms / scans.len() as f64
+    });
 }
 
 /// The papers' layout: `[cell][heading]`, distances `[cell][direction]`, likelihoods as floats.

@@ -22,6 +22,7 @@ mod instructions;
 mod kind;
 mod missions;
 mod numbers;
+pub mod one_scan;
 mod over_time;
 pub mod part;
 mod projections;
@@ -62,6 +63,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         experiment.subject,
         ExperimentSubject::Barn
             | ExperimentSubject::Sensing
+            | ExperimentSubject::OneScan
             | ExperimentSubject::Routes
             | ExperimentSubject::CaseKinds
             | ExperimentSubject::Behaviours
@@ -100,6 +102,7 @@ pub fn run(request: &ExperimentRequest, how: Conduct, console: &mut Console) -> 
         ExperimentSubject::Grains => conduct(grains::Grains::new(asked)?, request, how, console),
         ExperimentSubject::Projections => conduct(projections::Projections::new(asked)?, request, how, console),
         ExperimentSubject::Foresight => conduct(foresight::Foresight::new(asked)?, request, how, console),
+        ExperimentSubject::OneScan => conduct(one_scan::OneScans::new(request)?, request, how, console),
         ExperimentSubject::Sensing => conduct(sensing::Sensing::new(asked)?, request, how, console),
         ExperimentSubject::HallwayFeatures => {
             conduct(instructions::HallwayFeatures::new(asked)?, request, how, console)
@@ -130,6 +133,7 @@ fn row_names(experiment: &Experiment) -> Vec<&'static str> {
         ExperimentSubject::DriveTimes | ExperimentSubject::Grains => drive_times::WORLDS.to_vec(),
         ExperimentSubject::Projections => projections::row_names(),
         ExperimentSubject::Foresight => foresight::row_names(),
+        ExperimentSubject::OneScan => one_scan::row_names(),
         ExperimentSubject::Sensing => sensing::row_names(),
         ExperimentSubject::HallwayFeatures => instructions::feature_rows(),
         ExperimentSubject::CountOpenings => instructions::counting_rows(),

@@ -4,6 +4,7 @@ mod arguments;
 mod figure;
 mod findings;
 mod mcap_log;
+mod once;
 mod table;
 
 use crate::experiment::chart;
@@ -58,6 +59,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let beams = BeamChoice::spread(&recording.geometry, arguments.beams)?;
     let parameters = parameters(arguments, beams.bearings_deg.clone())?;
     parameters.check().map_err(|error| anyhow!("{error}"))?;
+    if let Some(count) = arguments.once {
+        return once::run(arguments, count, &map, &recording, &parameters, console);
+    }
     let size_m = Vector::new(map.columns as f64, map.rows as f64) * map.resolution_m;
     let needed = LocalizationModel::needed_bytes(size_m, &parameters);
     let allowed = (arguments.memory * f64::from(1 << 30)) as u64;

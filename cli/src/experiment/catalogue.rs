@@ -43,6 +43,8 @@ pub enum ExperimentSubject {
     Choices,
     /// Courses nobody has mapped: no missions, and rows of its own.
     Barn,
+    /// Where the robot is by a single scan: no missions, and rows of its own.
+    OneScan,
     /// Where to look: no missions, and rows of its own.
     Sensing,
     /// What is perceived of hallways: no missions, and rows of its own.
@@ -263,6 +265,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment { name: "grains", subject: ExperimentSubject::Grains, rows: &[] },
     Experiment { name: "projections", subject: ExperimentSubject::Projections, rows: &[] },
     Experiment { name: "foresight", subject: ExperimentSubject::Foresight, rows: &[] },
+    Experiment { name: "one-scan", subject: ExperimentSubject::OneScan, rows: &[] },
     Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
     Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
     Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },

@@ -8,14 +8,16 @@
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
-//! `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest` and `beliefs` (fine and coarse), `gating` (which
-//! readings are left out), `filter` (the state others use), and `reading` (a belief read beam by beam).
+//! `evidence` and `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest` and
+//! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), `reading` (a
+//! belief read beam by beam), and `once` (one scan against the whole map).
 
 mod belief;
 mod beliefs;
 mod calibration;
 mod contest;
 mod error;
+mod evidence;
 mod expected;
 mod filter;
 mod gating;
@@ -27,6 +29,7 @@ mod lanes;
 mod model;
 mod motion;
 mod odometry_faults;
+pub mod once;
 mod parameters;
 mod plane;
 mod reading;

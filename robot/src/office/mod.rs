@@ -24,6 +24,7 @@ mod immobility;
 mod model;
 mod module;
 mod names;
+mod one_scan;
 mod plan_text;
 mod position;
 mod report;

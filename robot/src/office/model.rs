@@ -4,6 +4,7 @@ use crate::active::ActiveParameters;
 use crate::avoidance::DriveLimits;
 use crate::description::RobotDescription;
 use crate::foresight::ways::{Routes, WayMap};
+use crate::localization::once::ScanLocator;
 use crate::localization::{LocalizationModel, LocalizationParameters, ModelError, ScanParameters};
 use crate::navigation::NavigationModel;
 use crate::occupancy::OccupancyGrid;
@@ -102,12 +103,26 @@ pub struct MapModel {
     pub topology: Arc<TopologicalModel>,
     /// The ways between its places, for foresight.
     pub routes: Arc<Routes>,
+    /// What single scans are compared with, once it was asked for; none if the robot fits nowhere.
+    locator: Arc<OnceLock<Option<ScanLocator>>>,
 }
 
 impl MapModel {
     /// What ways are searched in for foresight.
     pub fn ways<'a>(&'a self, world: &'a World) -> WayMap<'a> {
         WayMap { world, planner: &self.navigation.planner, topology: &self.topology, routes: &self.routes }
+    }
+
+    /// What scans of the first sensor are compared with, made when it is first asked for.
+    pub fn locator(&self, world: &World) -> Option<&ScanLocator> {
+        let parameters = &self.localization.parameters;
+        let made = || {
+            let sensor = parameters.sensors.first()?;
+            let sees = |seen_by| is_seen(seen_by, sensor.source);
+            let map = world.map_centred_seen(SENSOR_MAP_CELL_M, sees);
+            ScanLocator::new(&map, &sensor.beam, parameters.clearance_m).ok()
+        };
+        self.locator.get_or_init(made).as_ref()
     }
 
     fn new(world: &Arc<World>, limits: DriveLimits, settings: &OfficeSettings) -> Result<Self, ModelError> {
@@ -133,6 +148,7 @@ impl MapModel {
             navigation: Arc::new(navigation),
             topology: Arc::new(topology),
             routes: Arc::new(Routes::new(world)),
+            locator: Arc::default(),
         })
     }
 }

@@ -13,6 +13,8 @@ pub struct Position {
     pub(super) localization: Option<Localization>,
     /// A plan has reason to think the estimate is wrong; position tracking answers in the next step.
     pub(super) is_doubted: bool,
+    /// A plan has said where the robot is; position tracking takes it in the next step.
+    set_in_map: Option<Pose>,
     /// A search has begun, and plans have not been told what it left of the belief.
     is_given_up: bool,
     /// Dead reckoning at the end of the last step.
@@ -39,6 +41,7 @@ impl Position {
         Self {
             localization,
             is_doubted: false,
+            set_in_map: None,
             is_given_up: false,
             odometry_in_odom: Pose::default(),
             odom_in_map,
@@ -78,6 +81,18 @@ impl Position {
     /// A plan has reason to think that the estimate is wrong.
     pub(super) fn doubt(&mut self) {
         self.is_doubted = true;
+    }
+
+    /// A plan says where the robot is.
+    pub(super) fn set(&mut self, pose_in_map: Pose) {
+        self.set_in_map = Some(pose_in_map);
+    }
+
+    /// Takes what a plan has said.
+    pub(super) fn take_set(&mut self, map: &MapModel) {
+        if let Some(pose_in_map) = self.set_in_map.take() {
+            self.tell(map, pose_in_map, Spread::default());
+        }
     }
 
     /// The robot is told where it is.

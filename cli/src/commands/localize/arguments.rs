@@ -45,6 +45,11 @@ pub struct Arguments {
     /// The corrected pose is known at the start: how well a position is tracked
     #[arg(long)]
     pub from_truth: bool,
+    /// Compares N scans, evenly spread over the drive, each alone with the whole map [default: 200]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "200",
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000),
+        conflicts_with_all = ["windows", "phases", "phase", "window_length", "from_truth", "uniform", "fit", "figures"])]
+    pub once: Option<u32>,
     /// What the laser of FLASER messages sees, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = angle)]
     pub field_of_view: f64,

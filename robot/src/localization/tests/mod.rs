@@ -318,10 +318,11 @@ fn a_turn_by_hand_is_noticed_soon_and_a_turn_by_wheel_is_not() {
 /// A walled corridor of 12 × 3 m with two cupboards, each the other's image under half a turn.
 /// Half of the robot's sonars hear somebody who stands around it and walks with it; the others hear
 /// what the pose explains, or what it does not.
-fn certainty_in_a_crowd(others_fit: bool) -> f64 {
+fn lowest_certainty_in_a_crowd(others_fit: bool) -> f64 {
     let model = model(LocalizationParameters { sensors: vec![ScanParameters::default()], ..fine() });
     let start = Pose::new(2.0, 2.0, 0.0);
     let mut localization = Localization::start_at(&model, start, Spread::default());
+    let mut lowest = 1f64;
     for (step, (odometry, scan_m)) in drive(&model, 10_001, 60).iter().enumerate() {
         let heard = |(beam, &range_m): (usize, &f32)| match (beam + step / 5) % 24 {
             0..=11 => range_m.min(0.7),
@@ -330,17 +331,18 @@ fn certainty_in_a_crowd(others_fit: bool) -> f64 {
         };
         let scan_m: Vec<f32> = scan_m.iter().enumerate().map(heard).collect();
         localization.observe(&model, *odometry, &[Some(&scan_m)]);
+        lowest = lowest.min(localization.estimate(&model).certainty);
     }
     let (estimate, right) = (localization.estimate(&model), start.compose(drive(&model, 10_001, 60)[59].0));
     if others_fit {
         assert!(estimate.pose_in_map.distance_m(right) < 0.3, "{estimate:?} {right:?}");
     }
-    estimate.certainty
+    lowest
 }
 
 #[test]
 fn a_crowd_is_no_reason_to_doubt_the_position_unless_the_other_readings_are() {
-    let (fitting, farther) = (certainty_in_a_crowd(true), certainty_in_a_crowd(false));
+    let (fitting, farther) = (lowest_certainty_in_a_crowd(true), lowest_certainty_in_a_crowd(false));
     assert!(fitting > 0.95, "{fitting}");
     assert!(farther < 0.8, "{farther}");
 }

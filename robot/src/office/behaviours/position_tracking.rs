@@ -7,6 +7,7 @@ use crate::navigation::NavigationInput;
 use crate::office::functions::{act, board, look, model, pose_list};
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, Telling, continuous, fluent, fluent_number};
+use crate::office::one_scan::{LOCATE, SET_POSITION, locate, set_position};
 use crate::office::position::Position;
 use crate::office::report::Report;
 use crate::office::words::no_map;
@@ -92,6 +93,8 @@ impl Module for PositionTracking {
                     "Discards the whole belief about the position in the next step: for when the estimate leads to a contradiction.",
                     doubt_position,
                 ),
+                look("locate", "&optional count", LOCATE, locate),
+                act("set-position", "pose", SET_POSITION, set_position),
             ],
             ..ModuleSpec::default()
         }]
@@ -101,7 +104,7 @@ impl Module for PositionTracking {
         Self { was_lost: !model.settings.start_known && model.map.is_some() }
     }
 
-    /// A doubt comes after the percept: otherwise one scan that fits could make the robot certain
+    /// A doubt comes after the percept, and so does a pose that a plan has set: otherwise one scan that fits could make the robot certain
     /// again before anybody has seen it uncertain.
     fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         let (Some(map), Some(localization)) = (&now.model.map, &mut position.localization) else { return None };
@@ -113,6 +116,7 @@ impl Module for PositionTracking {
             localization.refute(&map.localization);
             tell.event(Report::PositionDoubted);
         }
+        position.take_set(map);
         None
     }
 
