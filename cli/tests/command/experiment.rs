@@ -97,7 +97,7 @@ fn buildings_are_driven_in_however_many_jobs() {
     assert_eq!(found.status, 0, "{}{}", found.out, found.errors);
     assert_eq!(found.out, of("2").out);
     assert!(found.out.lines().any(|line| line.starts_with("flats/turned ") && line.contains("/2 ")), "{}", found.out);
-    assert!(found.out.lines().take_while(|line| !line.starts_with("share of")).all(|line| line.chars().count() <= 80));
+    assert!(found.out.lines().take_while(|line| !line.starts_with("arrived: ")).all(|line| line.chars().count() <= 80));
     let runs = text_in(&folder.join("results"), "runs.csv");
     assert_eq!(runs.lines().filter(|line| line.starts_with("\"flats/turned\",70000")).count(), 2, "{runs}");
 }

@@ -63,8 +63,8 @@ fn what_a_robot_does_not_have_is_missed_by_plans_alone() {
 #[test]
 fn whether_there_is_room_depends_on_the_robot() {
     let folder = folder("narrow");
-    let world = "name = \"cell\"\nsize = [4.0, 4.0]\nstart = [0.3, 2.0, 0]\n[[wall]]\nline = [[0, 0], [0, 4]]\n\
-                 thickness = 0.1\n[[wall]]\nline = [[2, 0], [2, 4]]\n[[room]]\nname = \"r\"\nrect = [2.1, 0, 4, 4]\n\
+    let world = "name = \"cell\"\nsize = [4.0, 4.0]\nstart = [0.3, 2.0, 0]\n[[wall]]\n\
+                 line = [[0, 0], [0, 4], [4, 4], [4, 0], [0, 0]]\nthickness = 0.1\n[[wall]]\nline = [[2, 0], [2, 4]]\n[[room]]\nname = \"r\"\nrect = [2.1, 0, 4, 4]\n\
                  [[door]]\nroom = \"r\"\nat = [2, 2]\nwidth = 0.5\naxis = \"y\"\n";
     put(&folder, "cell.toml", world);
     let Ended { errors: told, status, .. } = rpl(&folder, "worlds cell.toml");

@@ -269,7 +269,7 @@ fn a_mission_explains_itself_from_its_trace() {
     let found = run_in(&run.folder, &[&mission[..], &["--trace", "mission.jsonl"]].concat());
     assert_eq!(found.status, 3, "{}", found.errors);
     let ask = |arguments: &[&str]| run_in(&run.folder, &[&["trace", "mission.jsonl"], arguments].concat());
-    let lost = ask(&["--fluent", "pos-certainty*"]);
+    let lost = ask(&["--fluent", "position-lost*"]);
     assert!(lost.out.contains("relocalize-when-necessary"), "{}", lost.out);
     let main = ask(&["--why", ""]);
     assert!(main.out.starts_with("main  waits for children\n"), "{}", main.out);

@@ -142,14 +142,14 @@ pub const TOPICS: &[Topic] = &[
         "behaviours",
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
-         look-around wheels arm x* y* o* pos-certainty* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
+         look-around wheels arm x* y* o* pos-certainty* position-lost* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
          holding* battery* messages* read-message",
     ),
     topic(
         "robot",
         "The robot's functions",
         "place place-pose at-destination? distance-to drive-time charging-places region-of generate-navigation-plan plan-remove-all-goals \
-         set-travel-mode doubt-position belief-maxima odometry-pose odometry-in-map",
+         set-travel-mode doubt-position belief-maxima locate set-position odometry-pose odometry-in-map",
     ),
     topic(
         "instructions",

@@ -5,7 +5,7 @@ use super::contest::Contest;
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
-use super::parameters::Spread;
+use super::parameters::{Spread, Watch};
 use super::scan::Weighing;
 use super::scan_match::Fix;
 use super::sensor::BinnedScan;
@@ -298,7 +298,8 @@ impl Beliefs {
     ///
     /// Among people, what the coarse one gives the mode is first brought in line with its support (Bayes' rule: odds times
     /// a ratio of likelihoods). People who walk along are heard again and again, and where some other pose has walls
-    /// there, it gains by each scan; the readings that go past them are those that can tell.
+    /// there, it gains by each scan; the readings that go past them are those that can tell. In the same way it is
+    /// brought in line with a [`Contest`] that no other place has won.
     fn decide(&mut self, model: &LocalizationModel) {
         if self.mode.mass >= ASSURED {
             self.reckoned = Some(Fix::around(self.mode.pose_in_map, JUST_ASSURED));
@@ -333,15 +334,8 @@ impl Beliefs {
             if agreement(&self.mode, 0.0) >= LEAST_AGREED {
                 self.dismissed_nats = 0.0;
             } else if self.agreed < LEAST_AGREED && self.held >= CONTESTED {
-                let mode_in_map = self.mode.pose_in_map;
-                let is_elsewhere = |place: &Maximum| {
-                    let turned_rad = wrap_angle_rad(place.pose_in_map.heading_rad - mode_in_map.heading_rad);
-                    place.pose_in_map.distance_m(mode_in_map) > watch.near_m || libm::fabs(turned_rad) > watch.near_rad
-                };
-                let mut places = coarse.maxima(coarse_model, MOST_PLACES, LEAST_PLACE);
-                places.retain(is_elsewhere);
+                let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
-                    let log_odds = |share: f64| libm::log(share.max(LEAST_ODDS) / (1.0 - share).max(LEAST_ODDS));
                     let most = 1.0 - watch.mixing;
                     self.dismissed_nats += log_odds(most) - log_odds(self.agreed);
                     self.agreed = most;
@@ -371,6 +365,21 @@ impl Beliefs {
         self.held = self.mode.mass;
         watcher.disagree();
     }
+}
+
+/// The places that a coarse belief names besides a pose.
+fn elsewhere(coarse: &Belief, coarse_model: &LocalizationModel, pose_in_map: Pose, watch: &Watch) -> Vec<Maximum> {
+    let is_elsewhere = |place: &Maximum| {
+        let turned_rad = wrap_angle_rad(place.pose_in_map.heading_rad - pose_in_map.heading_rad);
+        place.pose_in_map.distance_m(pose_in_map) > watch.near_m || libm::fabs(turned_rad) > watch.near_rad
+    };
+    let mut places = coarse.maxima(coarse_model, MOST_PLACES, LEAST_PLACE);
+    places.retain(is_elsewhere);
+    places
+}
+
+fn log_odds(share: f64) -> f64 {
+    libm::log(share.max(LEAST_ODDS) / (1.0 - share).max(LEAST_ODDS))
 }
 
 /// So many states of the fine grid are above θ, by the coarse belief.

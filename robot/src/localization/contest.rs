@@ -2,6 +2,7 @@
 
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
+use super::scan::ScanModel;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::{Pose, wrap_angle_rad};
@@ -87,9 +88,9 @@ impl Contest {
     }
 
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
-    /// must have been carried there; without scans nothing can be laid to the map. O(updates · beams · places).
+    /// must have been carried there; without scans of rays nothing can be laid to the map. O(updates · beams · places).
     pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
-        if self.heard.is_empty() {
+        if self.heard.is_empty() || !model.sensors.iter().any(is_of_rays) {
             return true;
         }
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
@@ -139,6 +140,11 @@ impl Contest {
     }
 }
 
+/// A cone is wider than a region, and does not tell from where in it an echo comes.
+fn is_of_rays(sensor: &ScanModel) -> bool {
+    sensor.parameters.beam.cone_deg == 0
+}
+
 /// What a scan adds to what was to be explained of the regions of the map, in nats.
 fn explained(
     model: &LocalizationModel,
@@ -150,7 +156,8 @@ fn explained(
     // Nobody can stand there.
     let Some(state) = state else { return CARRIED_NATS };
     let mut added = 0.0;
-    for (sensor, (tables, scan)) in model.sensors.iter().zip(scans).enumerate() {
+    let sensors = model.sensors.iter().zip(scans).enumerate();
+    for (sensor, (tables, scan)) in sensors.filter(|(_, (tables, _))| is_of_rays(tables)) {
         let beam = &tables.parameters.beam;
         let expected = model.expected_scan(sensor, state);
         for ((&measured, expected), &bearing_deg) in scan.iter().zip(expected).zip(&tables.parameters.beams_deg) {

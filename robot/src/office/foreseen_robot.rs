@@ -300,6 +300,7 @@ impl<M: Module> ForeseenOffice<M> {
             ("y*", Reading::Float(pose.y_m)),
             ("o*", Reading::Float(pose.heading_rad)),
             ("pos-certainty*", Reading::Float(self.certainty())),
+            ("position-lost*", Reading::Truth(self.robot.is_lost)),
             ("travel-mode*", mode(board.mode)),
             ("region*", region.map_or(Reading::Truth(false), mode)),
             ("holding*", self.robot.holding.clone().map_or(Reading::Truth(false), Reading::Symbol)),

@@ -93,30 +93,6 @@ fn a_robot_that_a_door_was_shut_on_gets_away_from_it() {
     }
 }
 
-/// Called away once a second as by who finds its position: the patience is the goal's.
-#[test]
-fn whoever_is_called_away_before_a_closed_door_waits_no_longer() {
-    let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
-    let mut state = scene.simulator.start(1);
-    let plan = plan_to(&scene, "corner", state.true_pose(), &[]);
-    scene.simulator.close_door(&mut state, "east").expect("a door");
-    let mut journey = Journey::new(&scene, state, plan.targets.clone());
-    let mut event = None;
-    while event.is_none() && journey.state.time_us < 60_000_000 {
-        if journey.state.time_us % 8_000_000 == 0 {
-            journey.navigation.interrupt();
-            for _ in 0..40 {
-                journey.step();
-            }
-            journey.navigation.start(plan.targets.clone(), PATIENCE_S);
-        }
-        event = journey.step();
-    }
-    // It comes to the door after nine seconds.
-    assert_eq!(event, Some(NavigationEvent::Blocked));
-    assert!(journey.state.time_us < 52_000_000, "{}", journey.state.time_us);
-}
-
 #[test]
 fn a_door_twelve_centimetres_wider_than_the_robot_is_passed_without_a_touch() {
     let text = World::builtin_text("test-room").expect("a built-in world").replace("width = 0.9", "width = 0.65");
