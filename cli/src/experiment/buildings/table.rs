@@ -114,7 +114,7 @@ impl RowFigures {
     fn arrival(&self) -> [String; 6] {
         let losses = |losses: &PerKm| {
             let (low, high) = losses.interval_95;
-            format!("{:.1} ({:.1}–{:.1})", 10.0 * losses.rate, 10.0 * low, 10.0 * high)
+            format!("{:.0} ({:.0}–{:.0})", 10.0 * losses.rate, 10.0 * low, 10.0 * high)
         };
         [
             self.name.clone(),
