@@ -87,12 +87,14 @@ impl Contest {
         self.heard.clear();
     }
 
+    /// Whether anything can be laid to the map: scans of rays have been heard.
+    pub(super) fn can_be_held(&self, model: &LocalizationModel) -> bool {
+        !self.heard.is_empty() && model.sensors.iter().any(is_of_rays)
+    }
+
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
-    /// must have been carried there; without scans of rays nothing can be laid to the map. O(updates · beams · places).
+    /// must have been carried there. O(updates · beams · places).
     pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
-        if self.heard.is_empty() || !model.sensors.iter().any(is_of_rays) {
-            return true;
-        }
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
         let own = self.costs(model, &tracked);
         places.iter().any(|place| {
