@@ -5,7 +5,7 @@ use super::ground::{Cells, GroundTile};
 use super::kernel::LIFT;
 use super::model::LocalizationModel;
 use super::motion::{Share, Spare, Surroundings};
-use super::parameters::Spread;
+use super::parameters::{OdometryError, Spread};
 use super::plane::Plane;
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
@@ -335,7 +335,7 @@ impl Belief {
         self.planes[heading].stored(place).map_or(self.asleep, |stored| self.value(stored))
     }
 
-    /// Eq. (1) for a motion measured in the frame of the robot before it.
+    /// Eq. (1) for a motion measured in the frame of the robot before it, by odometry that errs so.
     ///
     /// # Deviation
     /// A motion moves planes by whole cells and headings by whole steps; the rest is kept beside
@@ -343,11 +343,10 @@ impl Belief {
     /// Interpolating at each step instead would blur by up to a quarter of a squared cell, far
     /// more than odometry errs. What moves into walls is lost until the next normalization. What
     /// mixing has added, the same everywhere, stays.
-    pub fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
-        let (grid, error) = (&model.grid, &model.parameters.odometry);
-        let distance_m = libm::hypot(motion.x_m, motion.y_m);
-        let forward = error.forward_m * error.forward_m * distance_m / (grid.cell_m * grid.cell_m);
-        let sideward = error.sideward_m * error.sideward_m * distance_m / (grid.cell_m * grid.cell_m);
+    pub fn advance(&mut self, model: &LocalizationModel, motion: Pose, error: &OdometryError) {
+        let grid = &model.grid;
+        let [forward, sideward, heading] = error.variances(motion);
+        let [forward, sideward] = [forward, sideward].map(|variance| variance / (grid.cell_m * grid.cell_m));
         let headings: Vec<f64> = (0..grid.headings).map(|heading| self.heading_rad(model, heading)).collect();
         let around = self.surroundings(model);
         update_planes(&mut self.planes, |heading, plane, spare| {
@@ -359,11 +358,7 @@ impl Belief {
             around.apply_motion(plane, spare);
         });
         self.rotate(model, motion.heading_rad);
-        let step = grid.angle_step_rad();
-        let per_metre = error.turn_per_metre_rad / step;
-        let per_radian = error.turn_per_radian_rad / step;
-        self.heading_variance +=
-            per_metre * per_metre * distance_m + per_radian * per_radian * libm::fabs(motion.heading_rad);
+        self.heading_variance += heading / (grid.angle_step_rad() * grid.angle_step_rad());
         while self.heading_variance >= HEADING_BLUR_AT {
             let variance = self.heading_variance.min(0.5);
             self.heading_variance -= variance;

@@ -5,11 +5,12 @@ use super::contest::Contest;
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
-use super::parameters::{Spread, Watch};
+use super::parameters::{OdometryError, Spread, Watch};
 use super::scan::Weighing;
 use super::scan_match::Fix;
 use super::sensor::BinnedScan;
-use super::summary::{Maximum, NEAR_M, NEAR_RAD};
+use super::slip::{Correction, Slip};
+use super::summary::{Maximum, Moments, NEAR_M, NEAR_RAD};
 use super::watcher::{ASSURED, Update, Watcher};
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,9 @@ const LEAST_AGREED: f64 = 0.98;
 
 /// ... unless the fine belief holds less of the pose than this.
 const CONTESTED: f64 = 0.9;
+
+/// With less of the belief than this near where odometry has led, a scan tells nothing of the odometry.
+const LEAST_TOLD: f64 = 0.5;
 
 /// So many places of the coarse belief are looked at, with this much of it at the least.
 const MOST_PLACES: usize = 12;
@@ -84,6 +88,8 @@ pub(super) struct Beliefs {
     reckoned: Option<Fix>,
     /// The scans since then.
     contest: Contest,
+    /// What they tell of the odometry.
+    slip: Slip,
     /// Probability of the poses that dead reckoning may have led to: at least that of the mode.
     pub held: f64,
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
@@ -124,6 +130,7 @@ impl Beliefs {
             agreed: 1.0,
             reckoned: None,
             contest: Contest::default(),
+            slip: Slip::default(),
             held: mode.mass,
             support_nats: 0.0,
             dismissed_nats: 0.0,
@@ -191,14 +198,46 @@ impl Beliefs {
 
     /// Eq. (1) for a motion; [`Beliefs::sense`] must follow.
     pub(super) fn advance(&mut self, model: &LocalizationModel, motion: Pose) {
+        let error = self.odometry_error(model);
         if !self.is_led_by_coarse {
-            self.fine.advance(model, motion);
+            self.fine.advance(model, motion, &error);
         }
         if let (Some(coarse), Some(coarse_model)) = (self.watcher.as_mut().and_then(Watcher::belief_mut), &model.watch)
         {
-            coarse.advance(coarse_model, motion);
+            coarse.advance(coarse_model, motion, &error);
         }
-        self.reckoned = self.reckoned.map(|fix| fix.advanced(motion, &model.parameters.odometry));
+        self.reckoned = self.reckoned.map(|fix| fix.advanced(motion, &error));
+    }
+
+    /// How far odometry strays, as the scans tell.
+    pub(super) fn odometry_error(&self, model: &LocalizationModel) -> OdometryError {
+        self.slip.error(&model.parameters.odometry)
+    }
+
+    /// How many times as far as its description says it strays.
+    pub(super) fn slip(&self) -> f64 {
+        self.slip.factor()
+    }
+
+    /// What a scan tells of the odometry, by what the fine belief has around where the motion has led, before and after
+    /// it. Nothing if the robot may be somewhere else.
+    fn learn_slip(&mut self, model: &LocalizationModel, motion: Pose, before: Moments, after: Moments) {
+        if before.mass < LEAST_TOLD || after.mass < LEAST_TOLD {
+            return;
+        }
+        let [forward, sideward, heading] = model.parameters.odometry.variances(motion);
+        let (sin, cos) = libm::sincos(self.mode.pose_in_map.heading_rad);
+        let added = [
+            cos * cos * forward + sin * sin * sideward,
+            sin * sin * forward + cos * cos * sideward,
+            heading,
+        ];
+        self.slip.learn([0, 1, 2].map(|axis| Correction {
+            moved: after.means[axis] - before.means[axis],
+            before: before.variances[axis],
+            after: after.variances[axis],
+            added: added[axis],
+        }));
     }
 
     /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before. `support_nats` is how far the
@@ -226,10 +265,15 @@ impl Beliefs {
         let (whole, gated): (Vec<BinnedScan>, Vec<BinnedScan>) =
             heard.into_iter().map(|heard| (heard.whole, heard.gated)).unzip();
         let from_in_map = self.mode.pose_in_map;
-        let told = if self.is_led_by_coarse { 1.0 } else { model.told(from_in_map.compose(motion), &whole) };
+        let predicted_in_map = from_in_map.compose(motion);
+        let told = if self.is_led_by_coarse { 1.0 } else { model.told(predicted_in_map, &whole) };
+        let error = self.odometry_error(model);
         if !self.is_led_by_coarse {
+            let before = self.fine.moments(model, predicted_in_map);
             self.fine.sense_after_motion(model, motion, &gated, told * model.parameters.mixing, &counted);
             self.mode = self.fine.mode(model);
+            let after = self.fine.moments(model, predicted_in_map);
+            self.learn_slip(model, motion, before, after);
             self.contest.hear(motion, self.mode.pose_in_map, &whole);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
@@ -247,7 +291,7 @@ impl Beliefs {
             // What is left out counts here as well: it may tell of a wrong pose.
             let misfit = if hears_all { Some(Misfit::default()) } else { model.misfit(mode_in_map, &whole) };
             let mixed = told * coarse_model.parameters.mixing;
-            let update = Update { from_in_map, motion, scans, weighings, mixed, sightings: Vec::new() };
+            let update = Update { from_in_map, motion, error, scans, weighings, mixed, sightings: Vec::new() };
             watcher.hear(coarse_model, update, misfit);
         }
         self.decide(model);

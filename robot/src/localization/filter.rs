@@ -145,6 +145,7 @@ impl Localization {
             return false;
         }
         let predicted_in_map = self.beliefs.mode.pose_in_map.compose(since);
+        let error = self.beliefs.odometry_error(model);
         self.beliefs.advance(model, since);
         let heard = self.heard(model, predicted_in_map, scans_m, &powers);
         self.beliefs.sense(model, since, heard, self.crowd.support_nats, self.updates);
@@ -153,7 +154,7 @@ impl Localization {
         }
         // Odometry that may be badly wrong would lead the next fix astray.
         let last = self.fix.filter(|_| model.parameters.faults.is_none());
-        let last = last.map(|fix| fix.advanced(since, &model.parameters.odometry));
+        let last = last.map(|fix| fix.advanced(since, &error));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m, &powers);
         self.take_fix();
         self.updated_at_in_odom = Some(odometry_in_odom);
@@ -303,6 +304,12 @@ impl Localization {
     pub fn tracking(&self, model: &LocalizationModel) -> f64 {
         let share = self.beliefs.held.min(self.beliefs.agreed);
         model.parameters.calibration.as_ref().map_or(share, |calibration| calibration.certainty(share))
+    }
+
+    /// How many times as far as the description of the robot says its odometry errs, as the scans tell, the position or
+    /// the heading, whichever more; at least 1.
+    pub fn slip(&self) -> f64 {
+        self.beliefs.slip()
     }
 
     /// How often the belief was updated.

@@ -39,6 +39,7 @@ mod scan_match;
 mod scan_parameters;
 mod sensor;
 mod simd;
+mod slip;
 mod summary;
 #[cfg(test)]
 mod tests;

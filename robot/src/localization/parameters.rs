@@ -5,6 +5,7 @@ use super::error::ModelError;
 use super::scan_parameters::{BeamParameters, ErrorCorrelation, ScanParameters};
 use crate::description::{OdometryDrift, RobotDescription};
 use crate::sensors::RangeSensor;
+use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set about the filter.
@@ -168,6 +169,7 @@ impl LocalizationParameters {
             ("odometry.sideward_m", odometry.sideward_m, 0.0, 10.0),
             ("odometry.turn_per_metre_rad", odometry.turn_per_metre_rad, 0.0, 7.0),
             ("odometry.turn_per_radian_rad", odometry.turn_per_radian_rad, 0.0, 7.0),
+            ("odometry.position_per_radian_m", odometry.position_per_radian_m, 0.0, 10.0),
         ];
         ranges.extend(self.sensors.iter().flat_map(ScanParameters::ranges));
         if let Some(faults) = &self.faults {
@@ -240,6 +242,7 @@ impl LocalizationParameters {
                 sideward_m: 0.09,
                 turn_per_metre_rad: 4.2f64.to_radians(),
                 turn_per_radian_rad: 6.5f64.to_radians(),
+                position_per_radian_m: 0.0,
             },
             faults: Some(OdometryFaults::default()),
             mixing: 1e-4,
@@ -273,6 +276,10 @@ pub struct OdometryError {
     pub turn_per_metre_rad: f64,
     /// Standard deviation of the heading after turning by one radian.
     pub turn_per_radian_rad: f64,
+    /// Standard deviation of the position, along each axis, after turning by one radian: wheels scrub, and no robot turns
+    /// about its middle. A belief that turning left as sharp as it was would gather at a single cell, and not come back.
+    #[serde(default)]
+    pub position_per_radian_m: f64,
 }
 
 /// What odometry does now and then that no normal error covers: it jumps in its heading from one scan to the next,
@@ -318,9 +325,19 @@ const LEAST_ERROR: OdometryError = OdometryError {
     sideward_m: 0.015,
     turn_per_metre_rad: 0.8 / 180.0 * std::f64::consts::PI,
     turn_per_radian_rad: 1.5 / 180.0 * std::f64::consts::PI,
+    position_per_radian_m: 0.03,
 };
 
 impl OdometryError {
+    /// Variances along the heading, across it, and of the heading, after a motion.
+    pub(super) fn variances(&self, motion: Pose) -> [f64; 3] {
+        let square = |error: f64| error * error;
+        let (way_m, turn_rad) = (libm::hypot(motion.x_m, motion.y_m), libm::fabs(motion.heading_rad));
+        let scrubbed = square(self.position_per_radian_m) * turn_rad;
+        let heading = square(self.turn_per_metre_rad) * way_m + square(self.turn_per_radian_rad) * turn_rad;
+        [square(self.forward_m) * way_m + scrubbed, square(self.sideward_m) * way_m + scrubbed, heading]
+    }
+
     /// What odometry of a robot strays by: its random errors, and the constant ones as if they were random.
     pub fn of(drift: &OdometryDrift) -> Self {
         let error = |noise: f64, bias: f64, way: f64| ODOMETRY_SLACK * libm::sqrt(noise * noise + bias * bias * way);
@@ -332,6 +349,7 @@ impl OdometryError {
             sideward_m: (forward_m / 2.0).max(LEAST_ERROR.sideward_m),
             turn_per_metre_rad: per_metre_rad.max(LEAST_ERROR.turn_per_metre_rad),
             turn_per_radian_rad: per_radian_rad.max(LEAST_ERROR.turn_per_radian_rad),
+            position_per_radian_m: LEAST_ERROR.position_per_radian_m,
         }
     }
 }

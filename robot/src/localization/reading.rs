@@ -89,7 +89,7 @@ impl Belief {
     /// Eq. (1) for a motion measured in the frame of the robot before it, normalized: what it carried
     /// into walls is gone.
     pub fn moved(&mut self, model: &LocalizationModel, motion: Pose) {
-        self.advance(model, motion);
+        self.advance(model, motion, &model.parameters.odometry);
         self.sense(model, &[]);
     }
 

@@ -46,13 +46,9 @@ impl Fix {
         let before = self.pose_in_map;
         let pose_in_map = before.compose(motion);
         let (dx_m, dy_m) = (pose_in_map.x_m - before.x_m, pose_in_map.y_m - before.y_m);
-        let distance_m = libm::hypot(motion.x_m, motion.y_m);
         let (sin, cos) = libm::sincos(before.heading_rad);
         let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
-        let square = |error: f64| error * error;
-        let heading = square(error.turn_per_metre_rad) * distance_m
-            + square(error.turn_per_radian_rad) * libm::fabs(motion.heading_rad);
-        let noise = Vector3::new(square(error.forward_m) * distance_m, square(error.sideward_m) * distance_m, heading);
+        let noise = Vector3::from(error.variances(motion));
         let carried = Matrix3::new(1.0, 0.0, -dy_m, 0.0, 1.0, dx_m, 0.0, 0.0, 1.0);
         let covariance = carried * Matrix3::from(self.covariance) * carried.transpose()
             + turned * Matrix3::from_diagonal(&noise) * turned.transpose();

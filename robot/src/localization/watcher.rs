@@ -4,7 +4,7 @@
 use super::belief::Belief;
 use super::landmark::LandmarkSighting;
 use super::model::{LocalizationModel, Misfit};
-use super::parameters::Spread;
+use super::parameters::{OdometryError, Spread};
 use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use crate::geometry::Pose;
@@ -34,6 +34,8 @@ pub(super) struct Update {
     pub from_in_map: Pose,
     /// As odometry told it.
     pub motion: Pose,
+    /// How far odometry was taken to stray.
+    pub error: OdometryError,
     /// The beams of each sensor that are to be heard.
     pub scans: Vec<BinnedScan>,
     /// How each of them is weighed.
@@ -46,9 +48,9 @@ pub(super) struct Update {
 
 impl Update {
     /// Without motion and scans.
-    fn at_rest(at_in_map: Pose) -> Self {
-        let (motion, sightings) = (Pose::default(), Vec::new());
-        Self { from_in_map: at_in_map, motion, scans: Vec::new(), weighings: Vec::new(), mixed: 0.0, sightings }
+    fn at_rest(coarse: &LocalizationModel, at_in_map: Pose) -> Self {
+        let (motion, error, sightings) = (Pose::default(), coarse.parameters.odometry.clone(), Vec::new());
+        Self { from_in_map: at_in_map, motion, error, scans: Vec::new(), weighings: Vec::new(), mixed: 0.0, sightings }
     }
 
     /// Eq. (2) for its scans, after its motion.
@@ -58,7 +60,7 @@ impl Update {
 
     /// All of it.
     fn replay(&self, coarse: &LocalizationModel, belief: &mut Belief) {
-        belief.advance(coarse, self.motion);
+        belief.advance(coarse, self.motion, &self.error);
         self.sense(coarse, belief);
         self.sightings.iter().for_each(|sighting| belief.see(coarse, sighting));
     }
@@ -150,7 +152,7 @@ impl Watcher {
             Attention::Awake { belief, .. } => belief.see(coarse, sighting),
             Attention::Asleep { missed } => {
                 if missed.is_empty() {
-                    missed.push_back(Update::at_rest(mode_in_map));
+                    missed.push_back(Update::at_rest(coarse, mode_in_map));
                 }
                 if let Some(last) = missed.back_mut() {
                     last.sightings.push(sighting.clone());

@@ -203,5 +203,6 @@ pub fn fit_odometry(recording: &Recording) -> Result<OdometryError, FitError> {
         sideward_m: per_metre(&|moved, truly| truly.y_m - moved.y_m),
         turn_per_metre_rad: libm::sqrt(per_metre_rad2),
         turn_per_radian_rad: libm::sqrt(per_radian_rad2),
+        position_per_radian_m: 0.0,
     })
 }

@@ -105,6 +105,7 @@ fn parameters(sensors: Vec<ScanParameters>) -> LocalizationParameters {
             sideward_m: 0.02,
             turn_per_metre_rad: 0.75_f64.to_radians(),
             turn_per_radian_rad: 1.5_f64.to_radians(),
+            position_per_radian_m: 0.0,
         },
         ..LocalizationParameters { sensors, ..LocalizationParameters::default() }.literal()
     }

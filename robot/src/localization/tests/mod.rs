@@ -124,14 +124,14 @@ fn the_belief_sums_to_one_after_every_operation() {
 
 #[test]
 fn a_point_mass_lands_where_pose_arithmetic_says() {
-    let exact = OdometryError { forward_m: 0.0, sideward_m: 0.0, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0 };
+    let exact = OdometryError { forward_m: 0.0, sideward_m: 0.0, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
     let model = model(LocalizationParameters { odometry: exact, mixing: 0.0, ..parameters() });
     let point = Spread { position_m: 0.0, heading_rad: 0.0 };
     let start = Pose::new(2.07, 1.93, 0.3);
     let mut belief = Belief::around(&model, start, point);
     let mut pose = start;
     for motion in [Pose::new(0.4, 0.05, 0.5), Pose::new(0.33, 0.0, 0.9), Pose::new(0.71, 0.0, -0.2)] {
-        belief.advance(&model, motion);
+        belief.advance(&model, motion, &model.parameters.odometry);
         pose = pose.compose(motion);
         belief.mix(&model, 0.0);
         let mode = belief.mode(&model).pose_in_map;
@@ -142,11 +142,11 @@ fn a_point_mass_lands_where_pose_arithmetic_says() {
 
 #[test]
 fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
-    let error = OdometryError { forward_m: 0.3, sideward_m: 0.1, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0 };
+    let error = OdometryError { forward_m: 0.3, sideward_m: 0.1, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
     let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
     let point = Spread { position_m: 0.0, heading_rad: 0.0 };
     let mut belief = Belief::around(&model, Pose::new(2.25, 2.25, 0.0), point);
-    belief.advance(&model, Pose::new(1.0, 0.0, 0.0));
+    belief.advance(&model, Pose::new(1.0, 0.0, 0.0), &model.parameters.odometry);
     let plane = &belief.planes()[0];
     let moment = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
         let part = |state: &State| {
@@ -166,12 +166,12 @@ fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
 
 #[test]
 fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
-    let error = OdometryError { forward_m: 0.25, sideward_m: 0.1, turn_per_metre_rad: 0.2, turn_per_radian_rad: 0.0 };
+    let error = OdometryError { forward_m: 0.25, sideward_m: 0.1, turn_per_metre_rad: 0.2, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
     let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
     let mut belief = Belief::around(&model, Pose::new(2.5, 2.0, 0.7), Spread { position_m: 0.8, heading_rad: 0.8 });
     let before = belief.clone();
     let motion = Pose::new(0.5, 0.1, 0.6);
-    belief.advance(&model, motion);
+    belief.advance(&model, motion, &model.parameters.odometry);
     let (grid, headings) = (&model.grid, model.grid.headings);
     let distance_m = libm::hypot(motion.x_m, motion.y_m);
     let step = grid.angle_step_rad();

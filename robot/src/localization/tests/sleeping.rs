@@ -13,7 +13,7 @@ fn a_selective_update_stays_close_to_the_full_one() {
         other.sleep_below(0.0);
         other.mix(&full, 0.0);
         for (model, belief) in [(&selective, &mut belief), (&full, &mut other)] {
-            belief.advance(model, odometry.relative_to(before));
+            belief.advance(model, odometry.relative_to(before), &model.parameters.odometry);
             belief.sense_ranges(model, &[Some(&scan_m)]);
         }
         let apart = total_variation(&probabilities(&selective, &belief), &probabilities(&full, &other));
@@ -34,7 +34,7 @@ fn what_is_left_of_a_motion_does_not_depend_on_when_a_plane_slept() {
     let (mut before, mut forgotten) = (Pose::default(), 0);
     for (odometry, scan_m) in drive(&selective, 10_003, 60) {
         for (model, belief) in [(&selective, &mut belief), (&full, &mut always)] {
-            belief.advance(model, odometry.relative_to(before));
+            belief.advance(model, odometry.relative_to(before), &model.parameters.odometry);
             belief.sense_ranges(model, &[Some(&scan_m)]);
         }
         for (plane, other) in belief.planes().iter().zip(always.planes()) {
@@ -60,7 +60,7 @@ fn what_a_localized_belief_keeps_does_not_grow_with_the_map() {
         let mut belief = Belief::around(&model, Pose::new(2.0, 2.0, 0.0), Spread::default());
         let (mut before, mut most) = (Pose::default(), 0);
         for (odometry, scan_m) in drive(&model, 10_005, 40) {
-            belief.advance(&model, odometry.relative_to(before));
+            belief.advance(&model, odometry.relative_to(before), &model.parameters.odometry);
             belief.sense_ranges(&model, &[Some(&scan_m)]);
             most = most.max(belief.tiles().count());
             before = odometry;

@@ -40,7 +40,7 @@ fn a_coarse_belief_that_wakes_has_heard_what_one_that_never_slept_has() {
             (before, mode_in_map) = (odometry, mode_in_map.compose(motion));
             let scan_m = scan_at(&model, mode_in_map.compose(carried));
             if let Some(belief) = awake.belief_mut() {
-                belief.advance(coarse, motion);
+                belief.advance(coarse, motion, &coarse.parameters.odometry);
             }
             for watcher in [&mut awake, &mut asleep] {
                 watcher.hear(coarse, update(coarse, from_in_map, motion, &scan_m), Some(USUAL));
@@ -107,7 +107,7 @@ fn a_coarse_belief_that_leads_looks_at_what_may_be_true_and_at_everything_once_t
             truth_in_map = truth_in_map.compose(Pose::new(0.0, 0.0, PI));
             most = 0;
         }
-        belief.advance(coarse, motion);
+        belief.advance(coarse, motion, &coarse.parameters.odometry);
         belief.sense_ranges(coarse, &[Some(&scan_at(coarse, truth_in_map))]);
         most = most.max(belief.tiles().count());
     }
