@@ -9,8 +9,8 @@ use super::parameters::{OdometryError, Spread, Watch};
 use super::scan::Weighing;
 use super::scan_match::Fix;
 use super::sensor::BinnedScan;
-use super::slip::{Correction, Slip};
-use super::summary::{Maximum, Moments, NEAR_M, NEAR_RAD};
+use super::slip::Slip;
+use super::summary::{Maximum, NEAR_M, NEAR_RAD};
 use super::watcher::{ASSURED, Update, Watcher};
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
@@ -39,9 +39,6 @@ const LEAST_AGREED: f64 = 0.98;
 
 /// ... unless the fine belief holds less of the pose than this.
 const CONTESTED: f64 = 0.9;
-
-/// With less of the belief than this near where odometry has led, a scan tells nothing of the odometry.
-const LEAST_TOLD: f64 = 0.5;
 
 /// So many places of the coarse belief are looked at, with this much of it at the least.
 const MOST_PLACES: usize = 12;
@@ -207,6 +204,7 @@ impl Beliefs {
             coarse.advance(coarse_model, motion, &error);
         }
         self.reckoned = self.reckoned.map(|fix| fix.advanced(motion, &error));
+        self.slip.advance(motion, &model.parameters.odometry);
     }
 
     /// How far odometry strays, as the scans tell.
@@ -219,29 +217,9 @@ impl Beliefs {
         self.slip.factor()
     }
 
-    /// What a scan tells of the odometry, by what the fine belief has around where the motion has led, before and after
-    /// it. Nothing if the robot may be somewhere else.
-    fn learn_slip(&mut self, model: &LocalizationModel, motion: Pose, before: Moments, after: Moments) {
-        if before.mass < LEAST_TOLD || after.mass < LEAST_TOLD {
-            return;
-        }
-        let [forward, sideward, heading] = model.parameters.odometry.variances(motion);
-        let (sin, cos) = libm::sincos(self.mode.pose_in_map.heading_rad);
-        let added = [
-            cos * cos * forward + sin * sin * sideward,
-            sin * sin * forward + cos * cos * sideward,
-            heading,
-        ];
-        self.slip.learn([0, 1, 2].map(|axis| Correction {
-            moved: after.means[axis] - before.means[axis],
-            before: before.variances[axis],
-            after: after.variances[axis],
-            added: added[axis],
-        }));
-    }
-
     /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before. `support_nats` is how far the
-    /// readings that are not short have borne the mode out.
+    /// readings that are not short have borne the mode out, and `is_explained` whether the scans fit as usual where the
+    /// motion has led.
     ///
     /// Where people stand around, the coarse belief hears the whole scan, with a beam to which people are likely: who left
     /// out there what the fine one takes for people could not object to a wrong pose. So does the fine one where nothing is
@@ -252,6 +230,7 @@ impl Beliefs {
         motion: Pose,
         heard: Vec<Heard>,
         support_nats: f64,
+        is_explained: bool,
         updates: u64,
     ) {
         let powers: Vec<f64> = heard.iter().map(|scan| scan.power).collect();
@@ -269,11 +248,9 @@ impl Beliefs {
         let told = if self.is_led_by_coarse { 1.0 } else { model.told(predicted_in_map, &whole) };
         let error = self.odometry_error(model);
         if !self.is_led_by_coarse {
-            let before = self.fine.moments(model, predicted_in_map);
-            self.fine.sense_after_motion(model, motion, &gated, told * model.parameters.mixing, &counted);
+            let mixed = told * model.parameters.mixing;
+            self.fine.sense_after_motion(model, motion, &gated, mixed, &counted, is_explained);
             self.mode = self.fine.mode(model);
-            let after = self.fine.moments(model, predicted_in_map);
-            self.learn_slip(model, motion, before, after);
             self.contest.hear(motion, self.mode.pose_in_map, &whole);
         }
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
@@ -312,6 +289,7 @@ impl Beliefs {
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
         (self.support_nats, self.dismissed_nats, self.reckoned) = (0.0, 0.0, None);
         self.contest.forget();
+        self.slip.begin_anew();
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
             watcher.wake(coarse_model, self.mode.pose_in_map);
             watcher.disagree();
@@ -364,6 +342,9 @@ impl Beliefs {
         }
         let Some(coarse) = watcher.belief() else {
             self.agreed = 1.0 - watch.mixing;
+            if self.mode.mass >= ASSURED {
+                self.slip.learn(self.mode.pose_in_map);
+            }
             return;
         };
         let support_nats = self.support_nats;
@@ -388,12 +369,17 @@ impl Beliefs {
             let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
-                watcher.agree(is_assured && self.agreed >= ASSURED && self.dismissed_nats == 0.0);
+                let is_sure = is_assured && self.agreed >= ASSURED && self.dismissed_nats == 0.0;
+                if is_sure && self.mode.mass >= ASSURED {
+                    self.slip.learn(self.mode.pose_in_map);
+                }
+                watcher.agree(is_sure);
                 return;
             }
         }
         (self.reckoned, self.dismissed_nats) = (None, 0.0);
         self.contest.forget();
+        self.slip.begin_anew();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);

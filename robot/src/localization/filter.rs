@@ -9,6 +9,7 @@ use super::parameters::{LocalizationParameters, Spread};
 use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
+use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -148,12 +149,15 @@ impl Localization {
         let error = self.beliefs.odometry_error(model);
         self.beliefs.advance(model, since);
         let heard = self.heard(model, predicted_in_map, scans_m, &powers);
-        self.beliefs.sense(model, since, heard, self.crowd.support_nats, self.updates);
+        let gated: Vec<BinnedScan> = heard.iter().map(|heard| heard.gated.clone()).collect();
+        let misfit = model.misfit(predicted_in_map, &gated);
+        let is_explained = misfit.is_some_and(|misfit| misfit.beyond_usual_nats() <= 0.0);
+        self.beliefs.sense(model, since, heard, self.crowd.support_nats, is_explained, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
             self.crowd.support_nats = 0.0;
         }
         // Odometry that may be badly wrong would lead the next fix astray.
-        let last = self.fix.filter(|_| model.parameters.faults.is_none());
+        let last = self.fix.filter(|_| model.parameters.faults.is_none() || is_explained);
         let last = last.map(|fix| fix.advanced(since, &error));
         self.fix = model.matched(self.beliefs.mode.pose_in_map, last, scans_m, &powers);
         self.take_fix();

@@ -24,6 +24,18 @@ pub(super) struct Misfit {
     pub mean_nats: f64,
 }
 
+/// Misfit beyond this share of what the sensor model has on the average counts as doubt. At the right pose it is 0.45, scan
+/// by scan with a deviation of 0.17: the model is wider than the readings, to cover cells, headings, and what is not in the
+/// map. At a mirror pose it may be 0.75.
+const MOST_USUAL: f64 = 0.65;
+
+impl Misfit {
+    /// How much worse than usual at the right pose scans fit; below 0 if they fit as usual.
+    pub(super) fn beyond_usual_nats(&self) -> f64 {
+        self.nats - MOST_USUAL * self.mean_nats
+    }
+}
+
 /// The map as localization needs it: cells that can be stood in, and what each sensor is expected to
 /// measure there. Shared by `Arc`; never part of a saved state.
 #[derive(Debug)]

@@ -9,10 +9,6 @@ use super::scan::Weighing;
 use super::sensor::BinnedScan;
 use crate::geometry::Pose;
 
-/// Scans that fit better than this, as the logarithm of their evidence by their average weight, leave nothing to a
-/// fault.
-const FITS: f64 = 8.0;
-
 /// A share of the belief that is not worth to be brought in.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -25,7 +21,8 @@ impl Belief {
     ///
     /// The error of the odometry is a mixture of a normal one, a jump of the heading and a way in the other direction,
     /// and so is the belief: each part has its share by Bayes' rule, the prior one times the evidence of the scans. The
-    /// faults are computed only where the scans fit badly without them; elsewhere their share is next to nothing.
+    /// faults are computed only where the scans are not explained as usual without them; elsewhere their share is next to
+    /// nothing.
     pub(super) fn sense_after_motion(
         &mut self,
         model: &LocalizationModel,
@@ -33,18 +30,16 @@ impl Belief {
         scans: &[BinnedScan],
         mixed: f64,
         weighings: &[Weighing],
+        is_explained: bool,
     ) {
         let sense = |belief: &mut Self| belief.sense_weighed(model, scans, mixed, |sensor| weighings[sensor]);
-        let is_localized = |_: &&OdometryFaults| self.tiles().count() <= MOST_TILES;
-        let Some(faults) = model.parameters.faults.as_ref().filter(is_localized) else {
+        let may_matter = |_: &&OdometryFaults| !is_explained && self.tiles().count() <= MOST_TILES;
+        let Some(faults) = model.parameters.faults.as_ref().filter(may_matter) else {
             sense(self);
             return;
         };
         let before = self.clone();
         let fit = sense(self);
-        if fit >= FITS {
-            return;
-        }
         let reversed = Pose::new(-motion.x_m, motion.y_m, motion.heading_rad).relative_to(motion);
         let after = [(before.jumped(model, faults), faults.jump), (before.corrected(model, reversed), faults.reversal)];
         let mut held = libm::log(1.0 - faults.jump - faults.reversal) + fit;

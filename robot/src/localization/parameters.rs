@@ -4,8 +4,8 @@ use super::calibration::Calibration;
 use super::error::ModelError;
 use super::scan_parameters::{BeamParameters, ErrorCorrelation, ScanParameters};
 use crate::description::{OdometryDrift, RobotDescription};
-use crate::sensors::RangeSensor;
 use crate::geometry::Pose;
+use crate::sensors::RangeSensor;
 use serde::{Deserialize, Serialize};
 
 /// Everything that can be set about the filter.
@@ -124,7 +124,7 @@ impl LocalizationParameters {
             clearance_m: 0.15,
             sensors: ScanParameters::of(robot),
             odometry: OdometryError::of(&robot.odometry),
-            faults: None,
+            faults: Some(OdometryFaults::of_wheels()),
             mixing: 5e-4,
             watch: Some(Watch::default()),
             calibration: Some(Calibration::new(calibrated)),
@@ -299,6 +299,13 @@ pub struct OdometryFaults {
 impl Default for OdometryFaults {
     fn default() -> Self {
         Self { jump: 0.01, most_jump_rad: 30f64.to_radians(), reversal: 0.01 }
+    }
+}
+
+impl OdometryFaults {
+    /// Of a robot in a mission: hands and wheels that slip.
+    fn of_wheels() -> Self {
+        Self { reversal: 0.0, ..Self::default() }
     }
 }
 

@@ -41,6 +41,12 @@ impl Fix {
         Spread { position_m: libm::sqrt(mean + half), heading_rad: libm::sqrt(heading) }
     }
 
+    /// Variances of the position, the sum along both axes, and of the heading.
+    pub(super) fn variances(&self) -> [f64; 2] {
+        let [[xx, ..], [_, yy, _], [_, _, heading]] = self.covariance;
+        [xx + yy, heading]
+    }
+
     /// Carried on by a motion, whose error adds to its own.
     pub(super) fn advanced(self, motion: Pose, error: &OdometryError) -> Self {
         let before = self.pose_in_map;

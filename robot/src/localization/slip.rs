@@ -1,10 +1,22 @@
 //! Odometry that errs by more than the description of the robot says, as the scans tell: wheels that slip.
 
-use super::parameters::OdometryError;
+use super::parameters::{OdometryError, Spread};
+use super::scan_match::Fix;
+use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 
-/// What was told so many updates ago counts for a share of 1 / e.
-const REMEMBERED_UPDATES: f64 = 20.0;
+/// Odometry is compared with where the scans find the robot after this way, or after this turn.
+const COMPARED_M: f64 = 1.0;
+const COMPARED_RAD: f64 = 1.0;
+
+/// After this way without knowing well where it is, a robot compares anew.
+const LONGEST_M: f64 = 5.0;
+
+/// How well scans find the pose at either end.
+const FOUND: Spread = Spread { position_m: 0.06, heading_rad: 2.0 / 180.0 * std::f64::consts::PI };
+
+/// What was told so many ways ago counts for a share of 1 / e.
+const REMEMBERED_WAYS: f64 = 20.0;
 
 /// That odometry errs as its description says counts for so much, as Fisher information of the square of the factor.
 const DESCRIPTION_WEIGHT: f64 = 0.2;
@@ -12,37 +24,19 @@ const DESCRIPTION_WEIGHT: f64 = 0.2;
 /// No factor is taken to be larger.
 const MOST: f64 = 12.0;
 
-/// A correction is not taken to be farther out than so many standard deviations: hands are not wheels.
-const FARTHEST_SIGMAS: f64 = 5.0;
-
-/// What the cells of a grid hide of a correction, as standard deviations.
-const BLURRED_M: f64 = 0.01;
-const BLURRED_RAD: f64 = 0.3 / 180.0 * std::f64::consts::PI;
-
-/// Along one axis of the pose, how a scan has corrected what odometry had led to.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Correction {
-    /// By how much the mean of the belief has moved.
-    pub moved: f64,
-    /// Variance of the belief before the scan.
-    pub before: f64,
-    /// And after it.
-    pub after: f64,
-    /// What the motion since the last scan has added, if odometry errs as its description says.
-    pub added: f64,
-}
+/// An error is not taken to be farther out than so many standard deviations: hands are not wheels.
+const FARTHEST_SIGMAS: f64 = 4.0;
 
 /// How many times as far as its description says odometry errs along some axes of the pose.
 ///
-/// A belief that is worth what it says is moved by a scan with a variance of P₀ − P₁, that before the scan less that after
-/// it; what odometry errs beyond that adds K² Q (s² − s₀²), with K = (P₀ − P₁) / P₀, Q what the motion adds by the
-/// description, and s₀ the factor in use (innovations as the measure of a filter's noise: Mehra, "On the Identification of
-/// Variances and Adaptive Kalman Filtering", 1970). s² is where Fisher's scoring leads from there: each correction counts
-/// for what it can tell of s², so that scans which tell nothing change nothing.
+/// The square of what it is found to err by is s² Q + R on the average, Q its variance by the description, and R that of
+/// where scans find the robot (covariance matching: Mehra, "Approaches to Adaptive Filtering", 1972). s² is found by
+/// Fisher's scoring: each error counts for what it can tell of s², so that short ways hardly do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Factor {
-    /// Σ of the information of each correction, and of that times the s² it speaks for.
+    /// Σ of the information of each error ...
     information: f64,
+    /// ... and of that times the s² it speaks for.
     told: f64,
 }
 
@@ -52,22 +46,13 @@ impl Factor {
         square.clamp(1.0, MOST * MOST)
     }
 
-    fn learn(&mut self, corrections: &[Correction], blurred: f64) {
-        let square_in_use = self.square();
-        for Correction { moved, before, after, added } in corrections {
-            let learned = (before - after).max(0.0);
-            let gain = learned / before.max(f64::MIN_POSITIVE);
-            let due = learned + blurred * blurred;
-            let by_square = gain * gain * added;
-            let found = (moved * moved).min(FARTHEST_SIGMAS * FARTHEST_SIGMAS * due);
-            self.information += by_square * by_square / (due * due);
-            self.told += by_square * (found - due + by_square * square_in_use) / (due * due);
-        }
-    }
-
-    fn forget(&mut self) {
-        let kept = libm::exp(-1.0 / REMEMBERED_UPDATES);
-        (self.information, self.told) = (kept * self.information, kept * self.told);
+    /// Takes in the square of an error, its variance by the description, and that of where scans find the robot.
+    fn learn(&mut self, squared: f64, described: f64, found: f64) {
+        let due = self.square() * described + found;
+        let kept = libm::exp(-1.0 / REMEMBERED_WAYS);
+        let squared = squared.min(FARTHEST_SIGMAS * FARTHEST_SIGMAS * due);
+        self.information = kept * self.information + described * described / (due * due);
+        self.told = kept * self.told + described * (squared - found) / (due * due);
     }
 }
 
@@ -76,6 +61,17 @@ impl Factor {
 pub(super) struct Slip {
     position: Factor,
     heading: Factor,
+    /// Since when odometry is compared.
+    since: Option<Way>,
+}
+
+/// A way by odometry alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Way {
+    /// Where it has led, and how well that is known by the description.
+    reckoned: Fix,
+    way_m: f64,
+    turned_rad: f64,
 }
 
 impl Slip {
@@ -96,11 +92,36 @@ impl Slip {
         libm::sqrt(self.position.square().max(self.heading.square()))
     }
 
-    /// Takes in how scans have corrected x, y and the heading after a motion.
-    pub(super) fn learn(&mut self, [x, y, heading]: [Correction; 3]) {
-        self.position.forget();
-        self.heading.forget();
-        self.position.learn(&[x, y], BLURRED_M);
-        self.heading.learn(&[heading], BLURRED_RAD);
+    /// Takes in a motion.
+    pub(super) fn advance(&mut self, motion: Pose, described: &OdometryError) {
+        let way = |Way { reckoned, way_m, turned_rad }: Way| Way {
+            reckoned: reckoned.advanced(motion, described),
+            way_m: way_m + libm::hypot(motion.x_m, motion.y_m),
+            turned_rad: turned_rad + libm::fabs(motion.heading_rad),
+        };
+        self.since = self.since.map(way).filter(|way| way.way_m <= LONGEST_M);
+    }
+
+    /// Takes in where the scans have found the robot, for sure.
+    pub(super) fn learn(&mut self, found_in_map: Pose) {
+        if let Some(Way { reckoned, way_m, turned_rad }) = self.since {
+            if way_m < COMPARED_M && turned_rad < COMPARED_RAD {
+                return;
+            }
+            let [position, heading] = reckoned.variances();
+            let square = |error: f64| error * error;
+            let off_m = found_in_map.distance_m(reckoned.pose_in_map);
+            let off_rad = wrap_angle_rad(found_in_map.heading_rad - reckoned.pose_in_map.heading_rad);
+            // Of two axes.
+            self.position.learn(square(off_m), position, 4.0 * square(FOUND.position_m));
+            self.heading.learn(square(off_rad), heading, 2.0 * square(FOUND.heading_rad));
+        }
+        let reckoned = Fix::around(found_in_map, Spread { position_m: 0.0, heading_rad: 0.0 });
+        self.since = Some(Way { reckoned, way_m: 0.0, turned_rad: 0.0 });
+    }
+
+    /// Somebody else may have moved the robot.
+    pub(super) fn begin_anew(&mut self) {
+        self.since = None;
     }
 }

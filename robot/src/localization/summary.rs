@@ -31,14 +31,6 @@ pub struct Maximum {
     pub mass: f64,
 }
 
-/// Mass, means and variances of a belief around a pose: of x and y, in m, and of the heading, in rad, from there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moments {
-    pub mass: f64,
-    pub means: [f64; 3],
-    pub variances: [f64; 3],
-}
-
 impl Maximum {
     /// Whether this maximum, carried on by a motion, is at a pose.
     pub fn is_near(&self, pose_in_map: Pose, motion: Pose) -> bool {
@@ -99,22 +91,6 @@ impl Belief {
             }
         }
         Maximum { pose_in_map: pose, mass: self.mass_near(model, pose) }
-    }
-
-    /// What lies within 0.5 m and 15° of a pose.
-    pub(super) fn moments(&self, model: &LocalizationModel, pose_in_map: Pose) -> Moments {
-        let (mut mass, mut sums, mut squares) = (0.0, [0.0; 3], [0.0; 3]);
-        self.visit_near(model, pose_in_map, NEAR_M, NEAR_RAD, |at, away_rad, value| {
-            mass += value;
-            let away = [at.x - pose_in_map.x_m, at.y - pose_in_map.y_m, away_rad];
-            for axis in 0..3 {
-                sums[axis] += value * away[axis];
-                squares[axis] += value * away[axis] * away[axis];
-            }
-        });
-        let means = sums.map(|sum| sum / mass.max(f64::MIN_POSITIVE));
-        let variance = |axis: usize| squares[axis] / mass.max(f64::MIN_POSITIVE) - means[axis] * means[axis];
-        Moments { mass, means, variances: [0, 1, 2].map(variance) }
     }
 
     /// Probability within 0.5 m and 15° of a pose.

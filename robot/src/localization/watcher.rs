@@ -22,11 +22,6 @@ pub(super) const ASSURED: f64 = 0.99;
 /// needs itself to give up a pose.
 const MOST_DOUBT_NATS: f64 = 3.0;
 
-/// Misfit beyond this share of what the sensor model has on the average counts as doubt. At the right pose it is 0.45, scan
-/// by scan with a deviation of 0.17: the model is wider than the readings, to cover cells, headings, and what is not in the
-/// map. At a mirror pose it may be 0.75.
-const MOST_USUAL: f64 = 0.65;
-
 /// What one update had for the coarse belief.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Update {
@@ -127,8 +122,7 @@ impl Watcher {
     /// Takes in the scans of an update that the fine belief has taken in; an awake belief has been moved by its motion.
     /// `misfit` is that of the scans and the mode, none if nobody can stand there.
     pub(super) fn hear(&mut self, coarse: &LocalizationModel, update: Update, misfit: Option<Misfit>) {
-        let beyond_usual = |misfit: Misfit| misfit.nats - MOST_USUAL * misfit.mean_nats;
-        self.doubt_nats += misfit.map_or(MOST_DOUBT_NATS, beyond_usual);
+        self.doubt_nats += misfit.map_or(MOST_DOUBT_NATS, |misfit| misfit.beyond_usual_nats());
         self.doubt_nats = self.doubt_nats.clamp(0.0, 2.0 * MOST_DOUBT_NATS);
         let is_crowd = update.weighings.iter().any(|weighing| weighing.is_crowd);
         match &mut self.attention {

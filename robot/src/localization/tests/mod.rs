@@ -124,7 +124,13 @@ fn the_belief_sums_to_one_after_every_operation() {
 
 #[test]
 fn a_point_mass_lands_where_pose_arithmetic_says() {
-    let exact = OdometryError { forward_m: 0.0, sideward_m: 0.0, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
+    let exact = OdometryError {
+        forward_m: 0.0,
+        sideward_m: 0.0,
+        turn_per_metre_rad: 0.0,
+        turn_per_radian_rad: 0.0,
+        position_per_radian_m: 0.0,
+    };
     let model = model(LocalizationParameters { odometry: exact, mixing: 0.0, ..parameters() });
     let point = Spread { position_m: 0.0, heading_rad: 0.0 };
     let start = Pose::new(2.07, 1.93, 0.3);
@@ -142,7 +148,13 @@ fn a_point_mass_lands_where_pose_arithmetic_says() {
 
 #[test]
 fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
-    let error = OdometryError { forward_m: 0.3, sideward_m: 0.1, turn_per_metre_rad: 0.0, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
+    let error = OdometryError {
+        forward_m: 0.3,
+        sideward_m: 0.1,
+        turn_per_metre_rad: 0.0,
+        turn_per_radian_rad: 0.0,
+        position_per_radian_m: 0.0,
+    };
     let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
     let point = Spread { position_m: 0.0, heading_rad: 0.0 };
     let mut belief = Belief::around(&model, Pose::new(2.25, 2.25, 0.0), point);
@@ -166,7 +178,13 @@ fn noise_of_the_odometry_spreads_the_belief_about_its_mean() {
 
 #[test]
 fn a_full_motion_is_eq_1_summed_over_all_pairs_of_states() {
-    let error = OdometryError { forward_m: 0.25, sideward_m: 0.1, turn_per_metre_rad: 0.2, turn_per_radian_rad: 0.0, position_per_radian_m: 0.0 };
+    let error = OdometryError {
+        forward_m: 0.25,
+        sideward_m: 0.1,
+        turn_per_metre_rad: 0.2,
+        turn_per_radian_rad: 0.0,
+        position_per_radian_m: 0.0,
+    };
     let model = model(LocalizationParameters { odometry: error, mixing: 0.0, activity_threshold: 0.0, ..parameters() });
     let mut belief = Belief::around(&model, Pose::new(2.5, 2.0, 0.7), Spread { position_m: 0.8, heading_rad: 0.8 });
     let before = belief.clone();
