@@ -44,6 +44,15 @@ impl<M: Module> Robot<M> {
         }
     }
 
+    /// Probability that it is not lost.
+    pub fn tracking(&self) -> Option<f64> {
+        match self {
+            Robot::Absent(_) => None,
+            Robot::Office(robot) => Some(robot.tracking()),
+            Robot::Remote(robot) => Some(robot.tracking()),
+        }
+    }
+
     /// Where it really is; none if its host is another process, which does not tell.
     pub fn true_pose_in_map(&self) -> Option<Pose> {
         match self {

@@ -68,7 +68,8 @@ pub struct ActiveLocalization {
 }
 
 impl ActiveLocalization {
-    /// Starts; resets the belief for relocalization if the position is lost.
+    /// Starts; resets the belief for relocalization if the position is lost. Where it is not, there is nothing to wander
+    /// for: the first step chooses.
     pub fn start(
         model: &LocalizationModel,
         localization: &mut Localization,
@@ -76,11 +77,12 @@ impl ActiveLocalization {
         time_us: u64,
         parameters: ActiveParameters,
     ) -> Self {
-        if localization.tracking(model) <= parameters.certainty {
+        let is_lost = localization.tracking(model) <= parameters.certainty;
+        if is_lost {
             localization.reset_for_relocalization(model);
         }
         Self {
-            phase: SearchPhase::Wander { left_m: parameters.max_wander_m },
+            phase: SearchPhase::Wander { left_m: if is_lost { parameters.max_wander_m } else { 0.0 } },
             parameters,
             started_at_us: time_us,
             odometry_in_odom,

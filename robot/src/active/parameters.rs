@@ -91,7 +91,7 @@ impl Default for ActiveParameters {
             min_mass: 0.01,
             concentrated_mass: 0.6,
             max_wander_m: 20.0,
-            certainty: 0.8,
+            certainty: 0.7,
             found_certainty: 0.9,
             confirmations: 8,
             arrival_m: 0.4,

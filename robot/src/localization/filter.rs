@@ -295,7 +295,8 @@ impl Localization {
     /// Where the robot is; costs nothing, the mode is found at each update.
     pub fn estimate(&self, model: &LocalizationModel) -> Estimate {
         let pose_in_map = self.beliefs.mode.pose_in_map.compose(self.since_update());
-        let sharp = (self.beliefs.mode.mass / self.beliefs.held).min(1.0);
+        let share = (self.beliefs.mode.mass / self.beliefs.held).min(1.0);
+        let sharp = model.parameters.reckoning.as_ref().map_or(share, |reckoning| reckoning.certainty(share));
         Estimate { pose_in_map, certainty: sharp * self.tracking(model) }
     }
 

@@ -125,3 +125,64 @@ impl Slip {
         self.since = None;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rpl_random::Stream;
+
+    /// What is learned on so many ways of a metre by odometry that errs so many times as far as described, and once
+    /// somebody has turned the robot.
+    fn learned(times: f64, ways: usize, turned_rad: f64) -> f64 {
+        let (described, mut stream) = (OdometryError::default(), Stream::new(10_440, "slip"));
+        let (mut slip, mut found) = (Slip::default(), Pose::default());
+        slip.learn(found);
+        for way in 0..ways {
+            for _ in 0..5 {
+                let motion = Pose::new(0.2, 0.0, 0.05);
+                slip.advance(motion, &described);
+                let [forward, sideward, heading] =
+                    described.variances(motion).map(|variance| times * libm::sqrt(variance) * stream.normal());
+                found = found.compose(motion).compose(Pose::new(forward, sideward, heading));
+            }
+            if way == ways / 2 {
+                found.heading_rad += turned_rad;
+            }
+            let seen = |off: f64, stream: &mut Stream| off * stream.normal();
+            let off = [seen(0.05, &mut stream), seen(0.05, &mut stream), seen(0.03, &mut stream)];
+            slip.learn(Pose::new(found.x_m + off[0], found.y_m + off[1], found.heading_rad + off[2]));
+        }
+        slip.factor()
+    }
+
+    #[test]
+    fn odometry_is_taken_for_as_bad_as_it_is() {
+        assert!(learned(1.0, 30, 0.0) < 1.6, "{}", learned(1.0, 30, 0.0));
+        let found = learned(10.0, 30, 0.0);
+        assert!((6.0..=12.0).contains(&found), "{found}");
+        let soon = learned(10.0, 4, 0.0);
+        assert!(soon > 3.0, "{soon}");
+        let [few, more] = [3.0, 6.0].map(|times| learned(times, 30, 0.0));
+        assert!(few < more && (1.5..=5.0).contains(&few), "{few} {more}");
+    }
+
+    #[test]
+    fn a_robot_that_was_turned_by_hand_does_not_slip_from_then_on() {
+        assert!(learned(1.0, 40, 1.5) < 2.5, "{}", learned(1.0, 40, 1.5));
+    }
+
+    #[test]
+    fn what_is_described_is_multiplied_and_never_made_smaller() {
+        let described = OdometryError::default();
+        assert_eq!(Slip::default().error(&described), described);
+        let mut slip = Slip::default();
+        slip.learn(Pose::default());
+        for _ in 0..5 {
+            slip.advance(Pose::new(0.2, 0.0, 0.0), &described);
+        }
+        slip.learn(Pose::new(1.5, 0.0, 0.0));
+        let error = slip.error(&described);
+        assert!(error.forward_m > 2.0 * described.forward_m, "{error:?}");
+        assert_eq!(error.turn_per_metre_rad, described.turn_per_metre_rad);
+    }
+}

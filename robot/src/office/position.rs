@@ -73,6 +73,11 @@ impl Position {
         }
     }
 
+    /// How many times as far as its description says its odometry errs ([`Localization::slip`]).
+    pub(super) fn slip(&self) -> f64 {
+        self.localization.as_ref().map_or(1.0, Localization::slip)
+    }
+
     /// Dead reckoning at the end of the last step.
     pub fn odometry_in_odom(&self) -> Pose {
         self.odometry_in_odom

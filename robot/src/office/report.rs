@@ -59,6 +59,11 @@ reports! {
         /// Of the estimate.
         certainty: f64,
     } => "position found",
+    /// Odometry errs much farther than the description of the robot says.
+    OdometrySlips {
+        /// So many times as far.
+        times: f64,
+    } => "odometry slips",
     /// The robot was to drive, and has not moved for a while.
     Immobile {
         /// From 0 to 1.
@@ -191,6 +196,7 @@ impl Report {
             Self::PositionLost { certainty } | Self::PositionFound { certainty } => {
                 vec![("certainty", format!("{certainty:.2}"))]
             }
+            Self::OdometrySlips { times } => vec![("factor", format!("{times:.1}"))],
             Self::LocalizationAction { target_in_base } => {
                 vec![("ahead", format!("{:.1}", target_in_base.x)), ("left", format!("{:.1}", target_in_base.y))]
             }

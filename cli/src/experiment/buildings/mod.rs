@@ -24,7 +24,7 @@ use rpl_mission::modules::own_modules;
 use rpl_mission::site::Site;
 use rpl_robot::buildings::{Building, Furniture};
 use rpl_robot::description::RobotDescription;
-use rpl_robot::localization::{Calibration, LocalizationParameters};
+use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::office::{OfficeModel, OfficeSettings};
 use rpl_runtime::run::library::{Library, Loaded};
 use std::sync::Arc;
@@ -144,10 +144,10 @@ impl ExperimentKind for Buildings {
     }
 
     fn findings(&self, tallies: Vec<Vec<BuildingTrial>>, _: bool) -> Result<Findings> {
-        let used = LocalizationParameters::of(&self.request.robot).calibration.unwrap_or_else(|| Calibration::new(&[]));
+        let parameters = LocalizationParameters::of(&self.request.robot);
         let is_measured = tallies.iter().flatten().all(BuildingTrial::is_measured);
         let status = if is_measured { Status::Succeeded } else { Status::Failed };
-        let tables = Tables::of(&self.rows, &tallies, &used);
+        let tables = Tables::of(&self.rows, &tallies, &parameters);
         Ok(Findings { status, blocks: tables.blocks(), figures: tables.figures(), drawings: Vec::new() })
     }
 }

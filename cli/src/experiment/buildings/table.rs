@@ -1,5 +1,6 @@
 //! The tables: a line for each kind of building, for each disturbance, and for all of them together.
 
+use super::certainty::CertaintyCell;
 use super::disturbance::Disturbance;
 use super::rows::BuildingRow;
 use super::trial::BuildingTrial;
@@ -8,7 +9,7 @@ use crate::experiment::reliability::{self, Bin, Counted};
 use crate::experiment::statistics::{Dispersion, PerKm, Proportion};
 use crate::terminal::page::Block;
 use crate::terminal::table::{NOTHING, Table};
-use rpl_robot::localization::Calibration;
+use rpl_robot::localization::{Calibration, LocalizationParameters};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -72,7 +73,7 @@ impl RowFigures {
             measured.iter().map(|trial| (trial.wrong_arrivals, trial.arrivals)).collect();
         let sure: Vec<(usize, usize)> = measured.iter().map(|trial| trial.sure()).collect();
         let way_m: f64 = measured.iter().map(|trial| trial.way_m).sum();
-        let bins = reliability::bins(counted(&measured));
+        let bins = reliability::bins(counted(&measured, |trial| &trial.certainty));
         let by_hand = || measured.iter().filter_map(|trial| trial.by_hand);
         let noticed: Vec<bool> = by_hand().filter_map(|by_hand| by_hand.is_noticed()).collect();
         let mut failed = FailedRuns::default();
@@ -154,8 +155,11 @@ fn of_some(share: &Proportion) -> String {
 }
 
 /// What some runs said of their positions.
-fn counted<'t>(trials: &'t [&BuildingTrial]) -> impl Iterator<Item = Counted> + 't {
-    trials.iter().enumerate().flat_map(|(run, trial)| trial.certainty.iter().map(move |cell| cell.counted(run)))
+fn counted<'t>(
+    trials: &'t [&BuildingTrial],
+    cells: fn(&BuildingTrial) -> &[CertaintyCell],
+) -> impl Iterator<Item = Counted> + 't {
+    trials.iter().enumerate().flat_map(move |(run, trial)| cells(trial).iter().map(move |cell| cell.counted(run)))
 }
 
 /// All figures.
@@ -164,13 +168,16 @@ pub struct Tables {
     grounds: Vec<RowFigures>,
     disturbances: Vec<RowFigures>,
     all: RowFigures,
-    /// Share of the belief and how often it is right, fitted to all runs.
+    /// Share of the belief and how often it is right, fitted to all runs ...
     fitted: Vec<[f64; 2]>,
+    /// ... and share that dead reckoning has left near the estimate.
+    fitted_reckoning: Vec<[f64; 2]>,
 }
 
 impl Tables {
-    /// Of series, whose certainty was told by `used`.
-    pub fn of(rows: &[BuildingRow], tallies: &[Vec<BuildingTrial>], used: &Calibration) -> Self {
+    /// Of series, whose certainty was told by these parameters.
+    pub fn of(rows: &[BuildingRow], tallies: &[Vec<BuildingTrial>], parameters: &LocalizationParameters) -> Self {
+        let used = |by: &Option<Calibration>| by.clone().unwrap_or_else(|| Calibration::new(&[]));
         let of = |name: &str, counts: &dyn Fn(&BuildingRow) -> bool| {
             let of_row = |(row, trials)| if counts(row) { trials } else { &[][..] };
             let trials: Vec<&BuildingTrial> =
@@ -189,7 +196,11 @@ impl Tables {
                 .map(|disturbance| of(disturbance.name(), &|row| row.disturbance == disturbance))
                 .collect(),
             all: of("all", &|_| true),
-            fitted: reliability::fitted(counted(&everything), used),
+            fitted: reliability::fitted(counted(&everything, |trial| &trial.tracking), &used(&parameters.calibration)),
+            fitted_reckoning: reliability::fitted(
+                counted(&everything, |trial| &trial.reckoning),
+                &used(&parameters.reckoning),
+            ),
         }
     }
 
@@ -222,8 +233,10 @@ impl Tables {
             Block::Lines(String::new()),
             Block::Table(reliability::table(&self.all.bins)),
             Block::Lines(format!(
-                "share of the belief and how often it is right, fitted to these runs:\n{}",
-                reliability::knots_text(&self.fitted)
+                "share of the belief and how often it is right, fitted to these runs:\n{}\n\
+                 share that dead reckoning leaves near the estimate, and the same:\n{}",
+                reliability::knots_text(&self.fitted),
+                reliability::knots_text(&self.fitted_reckoning)
             )),
         ];
         blocks.extend(self.series.iter().filter_map(|row| {
@@ -247,7 +260,8 @@ impl Tables {
 
     /// For programs.
     pub fn figures(&self) -> Value {
-        let Self { series, grounds, disturbances, all, fitted } = self;
-        json!({ "rows": series, "grounds": grounds, "disturbances": disturbances, "all": all, "fitted": fitted })
+        let Self { series, grounds, disturbances, all, fitted, fitted_reckoning } = self;
+        json!({ "rows": series, "grounds": grounds, "disturbances": disturbances, "all": all,
+            "fitted": fitted, "fitted_reckoning": fitted_reckoning })
     }
 }

@@ -22,6 +22,12 @@ pub const NOTICED_WITHIN_M: f64 = 3.0;
 /// A robot that says it has arrived and is farther off is at the wrong place.
 pub const WRONG_PLACE_M: f64 = 1.0;
 
+/// With a larger share near the estimate than this dead reckoning blurs nothing.
+const SHARP: f64 = 0.98;
+
+/// With more than this a robot is certainly not lost.
+const TRACKING: f64 = 0.95;
+
 /// How the plan says that it has arrived, and that it was blocked.
 const ARRIVED: &str = "arrived at ";
 const BLOCKED: &str = "blocked";
@@ -59,6 +65,10 @@ pub struct BuildingTrial {
     pub by_hand: Option<ByHand>,
     /// What it said of its position, ten times a second.
     pub certainty: Vec<CertaintyCell>,
+    /// The same while no dead reckoning blurred it.
+    pub tracking: Vec<CertaintyCell>,
+    /// What it said of the share that dead reckoning left near the estimate, while it was not lost.
+    pub reckoning: Vec<CertaintyCell>,
 }
 
 /// What became of a robot that somebody turned or carried.
@@ -135,7 +145,9 @@ impl BuildingTrial {
             due_us: 0,
             is_lost: false,
             since_m: None,
-            counts: CertaintyCounts::default(),
+            certainty: CertaintyCounts::default(),
+            tracking: CertaintyCounts::default(),
+            reckoning: CertaintyCounts::default(),
             trial: Self { seed, ..Self::default() },
         };
         let reached = run_to(&mut system, until_us, |system| watcher.look(system));
@@ -150,14 +162,18 @@ struct Watcher<'p> {
     is_lost: bool,
     /// Driven when somebody took the robot into his hands.
     since_m: Option<f64>,
-    counts: CertaintyCounts,
+    certainty: CertaintyCounts,
+    tracking: CertaintyCounts,
+    reckoning: CertaintyCounts,
     trial: BuildingTrial,
 }
 
 impl Watcher<'_> {
     fn look(&mut self, system: &mut System<Robot>) -> ControlFlow<()> {
         let (events, output) = (system.machine.trace.take(), std::mem::take(&mut system.machine.output));
-        let (Some(sight), Some(account)) = (system.outside.sight(), system.outside.account()) else {
+        let outside = &system.outside;
+        let (Some(sight), Some(tracking), Some(account)) = (outside.sight(), outside.tracking(), outside.account())
+        else {
             return Continue(());
         };
         for line in output.iter().filter(|line| line.channel == Channel::Log) {
@@ -194,7 +210,13 @@ impl Watcher<'_> {
         }
         if system.machine.now_us >= self.due_us {
             self.due_us = system.machine.now_us + LOOK_US;
-            self.counts.add(sight.certainty, is_right(&sight));
+            let (sharp, is_right) = (sight.certainty / tracking.max(f64::MIN_POSITIVE), is_right(&sight));
+            self.certainty.add(sight.certainty, is_right);
+            if sharp >= SHARP {
+                self.tracking.add(tracking, is_right);
+            } else if tracking >= TRACKING {
+                self.reckoning.add(sharp, is_right);
+            }
         }
         Continue(())
     }
@@ -229,7 +251,9 @@ impl Watcher<'_> {
             contacts: system.outside.account().and_then(|account| account.contacts).unwrap_or(0),
             time_s: system.machine.now_s(),
             by_hand: self.trial.by_hand.map(|by_hand| ByHand { is_found, ..by_hand }),
-            certainty: self.counts.cells(),
+            certainty: self.certainty.cells(),
+            tracking: self.tracking.cells(),
+            reckoning: self.reckoning.cells(),
             ..self.trial
         }
     }

@@ -4,6 +4,7 @@ mod dead_reckoning;
 mod gating;
 mod odometry_faults;
 mod sleeping;
+mod turning;
 mod watcher;
 
 use super::grid::{Place, TILE, TILE_EDGE};

@@ -11,7 +11,8 @@ const WRONG: Misfit = Misfit { nats: 5.0, mean_nats: 4.0 };
 
 fn update(model: &LocalizationModel, from_in_map: Pose, motion: Pose, scan_m: &[f32]) -> Update {
     let scans = model.binned(&[Some(scan_m)]);
-    Update { from_in_map, motion, scans, weighings: vec![Weighing::USUAL], mixed: 5e-4, sightings: Vec::new() }
+    let (error, sightings) = (OdometryError::default(), Vec::new());
+    Update { from_in_map, motion, error, scans, weighings: vec![Weighing::USUAL], mixed: 5e-4, sightings }
 }
 
 fn at_rest(model: &LocalizationModel) -> Update {

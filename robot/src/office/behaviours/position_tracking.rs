@@ -29,6 +29,15 @@ pub(in crate::office) const Y: &str = "y*";
 /// Whether the position is lost.
 const LOST: &str = "position-lost*";
 
+/// How much farther odometry errs than it should.
+const SLIP: &str = "odometry-slip*";
+
+/// Odometry that errs so many times as far as it should is reported ...
+const REPORTED_SLIP: f64 = 3.0;
+
+/// ... once, until it errs less than this.
+const USUAL_SLIP: f64 = 1.5;
+
 const FLUENTS: &[FluentSpec] = &[
     continuous(X, "Estimated x, in metres, map frame."),
     continuous(Y, "Estimated y, in metres, map frame."),
@@ -41,16 +50,23 @@ const FLUENTS: &[FluentSpec] = &[
         LOST,
         "Whether something speaks against the estimate: where nothing is in reach of its sensors a robot gets uncertain, and is not lost.",
     ),
+    continuous(
+        SLIP,
+        "How many times as far as the robot's description says its odometry errs, by what its sensors tell of the last ways; 1 if no farther.",
+    ),
 ];
 
 const POS_CERTAINTY: usize = fluent_number(FLUENTS, "pos-certainty*");
 const POSITION_LOST: usize = fluent_number(FLUENTS, LOST);
+const ODOMETRY_SLIP: usize = fluent_number(FLUENTS, SLIP);
 
 /// The state of position tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PositionTracking {
     /// Whether the position was lost in the last step.
     was_lost: bool,
+    /// Whether it was reported that odometry errs farther than it should.
+    is_slip_reported: bool,
 }
 
 impl Module for PositionTracking {
@@ -101,7 +117,7 @@ impl Module for PositionTracking {
     }
 
     fn new((): &(), model: &OfficeModel, _: u64) -> Self {
-        Self { was_lost: !model.settings.start_known && model.map.is_some() }
+        Self { was_lost: !model.settings.start_known && model.map.is_some(), is_slip_reported: false }
     }
 
     /// A doubt comes after the percept, and so does a pose that a plan has set: otherwise one scan that fits could make the robot certain
@@ -132,12 +148,19 @@ impl Module for PositionTracking {
         let values = [pose_in_map.x_m, pose_in_map.y_m, pose_in_map.heading_rad, certainty];
         values.into_iter().map(Reading::Float).enumerate().for_each(|(fluent, value)| tell.fluent(fluent, value));
         tell.fluent(POSITION_LOST, Reading::Truth(is_lost));
+        let slip = position.slip();
+        if slip >= REPORTED_SLIP && !self.is_slip_reported {
+            tell.event(Report::OdometrySlips { times: slip });
+        }
+        self.is_slip_reported = slip >= if self.is_slip_reported { USUAL_SLIP } else { REPORTED_SLIP };
+        tell.fluent(ODOMETRY_SLIP, Reading::Float(slip));
     }
 
     fn publish_position(&mut self, model: &OfficeModel, position: &Position, tell: &mut Telling<'_>) {
         let map = model.map.as_ref();
         tell.fluent(POS_CERTAINTY, Reading::Float(position.estimate(map).certainty));
         tell.fluent(POSITION_LOST, Reading::Truth(position.tracking(map) <= model.settings.active.certainty));
+        tell.fluent(ODOMETRY_SLIP, Reading::Float(position.slip()));
     }
 }
 
