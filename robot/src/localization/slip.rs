@@ -4,6 +4,7 @@ use super::parameters::{OdometryError, Spread};
 use super::scan_match::Fix;
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// Odometry is compared with where the scans find the robot after this way, or after this turn.
 const COMPARED_M: f64 = 1.0;
@@ -15,11 +16,11 @@ const LONGEST_M: f64 = 5.0;
 /// How well scans find the pose at either end.
 const FOUND: Spread = Spread { position_m: 0.06, heading_rad: 2.0 / 180.0 * std::f64::consts::PI };
 
-/// What was told so many ways ago counts for a share of 1 / e.
-const REMEMBERED_WAYS: f64 = 20.0;
+/// So many ways are remembered.
+const WAYS: usize = 20;
 
-/// That odometry errs as its description says counts for so much, as Fisher information of the square of the factor.
-const DESCRIPTION_WEIGHT: f64 = 0.2;
+/// That odometry errs as its description says counts for so many ways.
+const DESCRIPTION_WAYS: f64 = 1.0;
 
 /// No factor is taken to be larger.
 const MOST: f64 = 12.0;
@@ -27,37 +28,66 @@ const MOST: f64 = 12.0;
 /// An error is not taken to be farther out than so many standard deviations: hands are not wheels.
 const FARTHEST_SIGMAS: f64 = 4.0;
 
+/// Rounds of scoring: each is near to the next one then.
+const ROUNDS: usize = 8;
+
+/// What one way tells of odometry, along some axes of the pose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct WayError {
+    /// The square of the error.
+    squared: f64,
+    /// Its variance by the description, Q ...
+    described: f64,
+    /// ... and that of where scans find the robot at both ends, R.
+    found: f64,
+}
+
 /// How many times as far as its description says odometry errs along some axes of the pose.
 ///
-/// The square of what it is found to err by is s² Q + R on the average, Q its variance by the description, and R that of
-/// where scans find the robot (covariance matching: Mehra, "Approaches to Adaptive Filtering", 1972). s² is found by
-/// Fisher's scoring: each error counts for what it can tell of s², so that short ways hardly do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The square of what it is found to err by is s² Q + R on the average (covariance matching: Mehra, "Approaches to Adaptive
+/// Filtering", 1972). s² is found by Fisher's scoring: each way counts for what it can tell of s², so that short ones
+/// hardly do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Factor {
-    /// Σ of the information of each error ...
-    information: f64,
-    /// ... and of that times the s² it speaks for.
-    told: f64,
+    /// The oldest first.
+    ways: VecDeque<WayError>,
+    /// s².
+    square: f64,
+}
+
+impl Default for Factor {
+    fn default() -> Self {
+        Self { ways: VecDeque::new(), square: 1.0 }
+    }
 }
 
 impl Factor {
-    fn square(&self) -> f64 {
-        let square = (self.told + DESCRIPTION_WEIGHT) / (self.information + DESCRIPTION_WEIGHT);
-        square.clamp(1.0, MOST * MOST)
+    fn learn(&mut self, way: WayError) {
+        if self.ways.len() == WAYS {
+            self.ways.pop_front();
+        }
+        self.ways.push_back(way);
+        for _ in 0..ROUNDS {
+            self.square = self.scored().clamp(1.0, MOST * MOST);
+        }
     }
 
-    /// Takes in the square of an error, its variance by the description, and that of where scans find the robot.
-    fn learn(&mut self, squared: f64, described: f64, found: f64) {
-        let due = self.square() * described + found;
-        let kept = libm::exp(-1.0 / REMEMBERED_WAYS);
-        let squared = squared.min(FARTHEST_SIGMAS * FARTHEST_SIGMAS * due);
-        self.information = kept * self.information + described * described / (due * due);
-        self.told = kept * self.told + described * (squared - found) / (due * due);
+    /// s² by the ways, weighed as if it were as large as it is now.
+    fn scored(&self) -> f64 {
+        let (mut told, mut information) = (0.0, 0.0);
+        for &WayError { squared, described, found } in &self.ways {
+            let due = self.square * described + found;
+            let squared = squared.min(FARTHEST_SIGMAS * FARTHEST_SIGMAS * due);
+            told += described * (squared - found) / (due * due);
+            information += described * described / (due * due);
+        }
+        let description = DESCRIPTION_WAYS * information / self.ways.len() as f64;
+        (told + description) / (information + description).max(f64::MIN_POSITIVE)
     }
 }
 
 /// How many times as far as its description says odometry errs, in the position and in the heading.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Slip {
     position: Factor,
     heading: Factor,
@@ -77,7 +107,7 @@ struct Way {
 impl Slip {
     /// The error of odometry by its description, as the scans tell it.
     pub(super) fn error(&self, described: &OdometryError) -> OdometryError {
-        let [position, heading] = [self.position, self.heading].map(|factor| libm::sqrt(factor.square()));
+        let [position, heading] = [&self.position, &self.heading].map(|factor| libm::sqrt(factor.square));
         OdometryError {
             forward_m: position * described.forward_m,
             sideward_m: position * described.sideward_m,
@@ -89,7 +119,7 @@ impl Slip {
 
     /// The larger one of both factors, at least 1.
     pub(super) fn factor(&self) -> f64 {
-        libm::sqrt(self.position.square().max(self.heading.square()))
+        libm::sqrt(self.position.square.max(self.heading.square))
     }
 
     /// Takes in a motion.
@@ -112,9 +142,10 @@ impl Slip {
             let square = |error: f64| error * error;
             let off_m = found_in_map.distance_m(reckoned.pose_in_map);
             let off_rad = wrap_angle_rad(found_in_map.heading_rad - reckoned.pose_in_map.heading_rad);
-            // Of two axes.
-            self.position.learn(square(off_m), position, 4.0 * square(FOUND.position_m));
-            self.heading.learn(square(off_rad), heading, 2.0 * square(FOUND.heading_rad));
+            // Both ends, and the position along two axes.
+            let (found_m, found_rad) = (4.0 * square(FOUND.position_m), 2.0 * square(FOUND.heading_rad));
+            self.position.learn(WayError { squared: square(off_m), described: position, found: found_m });
+            self.heading.learn(WayError { squared: square(off_rad), described: heading, found: found_rad });
         }
         let reckoned = Fix::around(found_in_map, Spread { position_m: 0.0, heading_rad: 0.0 });
         self.since = Some(Way { reckoned, way_m: 0.0, turned_rad: 0.0 });

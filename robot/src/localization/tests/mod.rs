@@ -362,8 +362,9 @@ fn lowest_certainty_in_a_crowd(others_fit: bool) -> f64 {
 #[test]
 fn a_crowd_is_no_reason_to_doubt_the_position_unless_the_other_readings_are() {
     let (fitting, farther) = (lowest_certainty_in_a_crowd(true), lowest_certainty_in_a_crowd(false));
-    assert!(fitting > 0.95, "{fitting}");
-    assert!(farther < 0.8, "{farther}");
+    // As sure as a search makes a robot.
+    assert!(fitting > 0.9, "{fitting}");
+    assert!(farther < 0.7, "{farther}");
 }
 
 fn symmetric_corridor() -> OccupancyGrid {
