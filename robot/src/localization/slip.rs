@@ -26,7 +26,7 @@ const DESCRIPTION_WAYS: f64 = 1.0;
 const MOST: f64 = 12.0;
 
 /// An error is not taken to be farther out than so many standard deviations: hands are not wheels.
-const FARTHEST_SIGMAS: f64 = 4.0;
+const FARTHEST_SIGMAS: f64 = 3.0;
 
 /// Rounds of scoring: each is near to the next one then.
 const ROUNDS: usize = 8;
