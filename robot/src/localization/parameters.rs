@@ -64,8 +64,9 @@ pub struct LocalizationParameters {
 /// Fitted in rounds, each time with the mean, in log odds, of what a table printed and what was in use before: with
 /// `rpl experiment calibration --seed 5001 --runs 150`, and then in other buildings with
 /// `rpl experiment buildings --seed 930001 --runs 2`. What the certainty is worth depends on when the robot takes itself for
-/// lost, and so on the calibration; the mean settles where the two agree.
-const CALIBRATED: [[f64; 2]; 19] = [
+/// lost, and so on the calibration; the mean settles where the two agree. A share as high as it gets while nothing speaks
+/// against the pose is worth what such moments were.
+const CALIBRATED: [[f64; 2]; 17] = [
     [0.01000, 0.0254],
     [0.02000, 0.0443],
     [0.03000, 0.0604],
@@ -82,9 +83,7 @@ const CALIBRATED: [[f64; 2]; 19] = [
     [0.99890, 0.9239],
     [0.99910, 0.9683],
     [0.99930, 0.9863],
-    [0.99938, 0.9968],
-    [0.99950, 0.9977],
-    [0.99970, 0.9987],
+    [0.99938, 0.9997],
 ];
 
 /// The same with a laser, also in rounds: `rpl experiment calibration --robot b21-laser` with `--seed 5001`, `6001`, `7001`
@@ -111,7 +110,7 @@ const CALIBRATED_LASER: [[f64; 2]; 21] = [
     [0.99890, 0.9642],
     [0.99910, 0.9798],
     [0.99930, 0.9922],
-    [0.99938, 0.9982],
+    [0.99938, 0.9997],
 ];
 
 /// The mean, in log odds, of the share itself and of what the same tables of buildings print for the share that dead
