@@ -151,7 +151,7 @@ impl Localization {
         let heard = self.heard(model, predicted_in_map, scans_m, &powers);
         let gated: Vec<BinnedScan> = heard.iter().map(|heard| heard.gated.clone()).collect();
         let misfit = model.misfit(predicted_in_map, &gated);
-        let is_explained = misfit.is_some_and(|misfit| misfit.beyond_usual_nats() <= 0.0);
+        let is_explained = misfit.is_some_and(|misfit| misfit.is_explained());
         self.beliefs.sense(model, since, heard, self.crowd.support_nats, is_explained, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
             self.crowd.support_nats = 0.0;

@@ -29,7 +29,15 @@ pub(super) struct Misfit {
 /// map. At a mirror pose it may be 0.75.
 const MOST_USUAL: f64 = 0.65;
 
+/// With more than this share a scan alone is a reason to ask whether odometry was badly wrong: one of fifty at the right pose.
+const MOST_EXPLAINED: f64 = 0.8;
+
 impl Misfit {
+    /// Whether a scan alone gives no reason to look for another explanation.
+    pub(super) fn is_explained(&self) -> bool {
+        self.nats <= MOST_EXPLAINED * self.mean_nats
+    }
+
     /// How much worse than usual at the right pose scans fit; below 0 if they fit as usual.
     pub(super) fn beyond_usual_nats(&self) -> f64 {
         self.nats - MOST_USUAL * self.mean_nats
