@@ -52,7 +52,7 @@ fn at_the_first_attempt_a_contradiction_reaches_the_caller() {
 fn a_contradiction_to_a_position_that_is_not_quite_sure_is_a_wrong_position() {
     let mission = Mission::new(closed_room(), "(go-to 'table-side)");
     let mut robot = mission.robot(1);
-    believes_to_be_about(&mut robot, Spread { position_m: 0.27, heading_rad: 5_f64.to_radians() });
+    believes_to_be_about(&mut robot, Spread { position_m: 0.16, heading_rad: 4_f64.to_radians() });
     let certainty = robot.estimate().certainty;
     assert!(certainty > 0.8 && certainty < 0.9, "{certainty}");
     let mut system = mission.start_with(robot, 1);
