@@ -44,13 +44,6 @@ fn worst(odometry: OdometryError, quarters: usize, seed: u64) -> (f64, f64) {
 fn a_robot_that_turns_on_the_spot_far_from_walls_keeps_its_heading() {
     for seed in 10_441..10_444 {
         let (off_rad, certainty) = worst(OdometryError::default(), 60, seed);
-        assert!(off_rad < 10.0_f64.to_radians(), "{seed}: {}° off at {certainty}", off_rad.to_degrees());
+        assert!(off_rad < 7.0_f64.to_radians(), "{seed}: {}° off at {certainty}", off_rad.to_degrees());
     }
-}
-
-#[test]
-fn without_scrubbing_it_would_not() {
-    let exact = || OdometryError { position_per_radian_m: 0.0, ..OdometryError::default() };
-    let worst = (10_441..10_444).map(|seed| worst(exact(), 60, seed).0).fold(0.0, f64::max);
-    assert!(worst > 15.0_f64.to_radians(), "{}° off", worst.to_degrees());
 }

@@ -11,7 +11,8 @@ use rpl_tests::mission::{Mission, Run, run_until};
 const ELSEWHERE: Pose = Pose { x_m: 6.5, y_m: 3.0, heading_rad: 0.0 };
 
 fn believes_to_be_elsewhere(robot: &mut SiteRobot) {
-    believes_to_be_about(robot, Spread::default());
+    // It is sure of that.
+    believes_to_be_about(robot, Spread { position_m: 0.1, heading_rad: 2_f64.to_radians() });
 }
 
 fn believes_to_be_about(robot: &mut SiteRobot, spread: Spread) {
