@@ -227,7 +227,7 @@ fn motion(model: &LocalizationModel, belief: &mut Belief) -> f64 {
     let step = Pose::new(0.3, 0.0, 0.035);
     let moved = std::cell::RefCell::new(belief);
     let normalize = || moved.borrow_mut().sense_ranges(model, &[None]);
-    let ms = least_ms(RUNS, true, normalize, || moved.borrow_mut().advance(model, step));
+    let ms = least_ms(RUNS, true, normalize, || moved.borrow_mut().advance(model, step, &model.parameters.odometry));
     let belief = moved.into_inner();
     // Only what has gone into walls is lost.
     let mass: f64 = states().map(|state| belief.probability(model, state)).sum();
@@ -247,7 +247,7 @@ fn cycle(model: &LocalizationModel, belief: &mut Belief, steps: &[(Pose, Ranges)
         || (),
         || {
             let Some((motion, scan)) = steps.next() else { return };
-            belief.advance(model, *motion);
+            belief.advance(model, *motion, &model.parameters.odometry);
             belief.sense_ranges(model, &[Some(scan)]);
             black_box((belief.entropy(model), belief.mode(model)));
         },
@@ -279,7 +279,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
                 || (),
                 || {
                     let Some((motion, scan)) = remaining.next() else { return };
-                    belief.advance(&selective, *motion);
+                    belief.advance(&selective, *motion, &selective.parameters.odometry);
                     belief.sense_ranges(&selective, &[Some(scan)]);
                     pose = pose.compose(*motion);
                     worst_error_m = worst_error_m.max(belief.mode(&selective).pose_in_map.distance_m(pose));
@@ -300,7 +300,7 @@ fn selective(report: &Report, full: &LocalizationModel) {
             other.sleep_below(0.0);
             other.mix(full, 0.0);
             for (model, belief) in [(&selective, &mut belief), (full, &mut other), (full, &mut always)] {
-                belief.advance(model, *motion);
+                belief.advance(model, *motion, &model.parameters.odometry);
                 belief.sense_ranges(model, &[Some(scan)]);
             }
             assert_eq!(other.active_planes(), full.grid.headings);
