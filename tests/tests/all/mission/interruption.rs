@@ -78,7 +78,7 @@ fn a_turn_by_hand_interrupts_and_the_navigation_goes_on_from_the_new_pose() {
         find(again, "the arrival", &|event| is(event, Signal, &[("behaviour", "navigation"), ("signal", "success")]));
     find(arrived, "the end of main", &|event| event.path == "main" && is(event, End, &[("state", "succeeded")]));
 
-    let pulses = run.events[lost..again].iter().filter(|event| event.kind == Pulse).count();
+    let pulses = run.events[turned..again].iter().filter(|event| event.kind == Pulse).count();
     assert_eq!(pulses, 1, "one interruption, one pulse");
     assert!(matches!(run.system.outcome(), Some(Outcome::Succeeded(_))), "{}", run.outcome());
 }
