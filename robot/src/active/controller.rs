@@ -56,6 +56,8 @@ pub struct ActiveLocalization {
     parameters: ActiveParameters,
     phase: SearchPhase,
     started_at_us: u64,
+    /// Whether the belief was given up, for the position was lost; once in a search.
+    is_given_up: bool,
     odometry_in_odom: Pose,
     /// Updates of the filter seen so far, and at the last look at the maxima.
     updates: u64,
@@ -68,8 +70,7 @@ pub struct ActiveLocalization {
 }
 
 impl ActiveLocalization {
-    /// Starts; resets the belief for relocalization if the position is lost. Where it is not, there is nothing to wander
-    /// for: the first step chooses.
+    /// Starts. Where the position is not lost there is nothing to wander for: the first step chooses.
     pub fn start(
         model: &LocalizationModel,
         localization: &mut Localization,
@@ -77,20 +78,28 @@ impl ActiveLocalization {
         time_us: u64,
         parameters: ActiveParameters,
     ) -> Self {
-        let is_lost = localization.tracking(model) <= parameters.certainty;
-        if is_lost {
-            localization.reset_for_relocalization(model);
-        }
-        Self {
-            phase: SearchPhase::Wander { left_m: if is_lost { parameters.max_wander_m } else { 0.0 } },
+        let mut search = Self {
+            phase: SearchPhase::Wander { left_m: 0.0 },
             parameters,
             started_at_us: time_us,
+            is_given_up: false,
             odometry_in_odom,
             updates: localization.updates(),
             looked_at: localization.updates(),
             confirmed: 0,
             obstacles_in_odom: Vec::new(),
             choice: None,
+        };
+        search.give_up_if_lost(model, localization);
+        search
+    }
+
+    /// Resets the belief for relocalization if the position is lost, and wanders.
+    fn give_up_if_lost(&mut self, model: &LocalizationModel, localization: &mut Localization) {
+        if !self.is_given_up && localization.tracking(model) <= self.parameters.certainty {
+            localization.reset_for_relocalization(model);
+            self.is_given_up = true;
+            self.phase = SearchPhase::Wander { left_m: self.parameters.max_wander_m };
         }
     }
 
@@ -99,18 +108,19 @@ impl ActiveLocalization {
         self.choice.as_ref()
     }
 
-    /// What to do now. `blocked` says that the robot cannot get on along the path it was given.
-    /// A step costs next to nothing, but for one that chooses.
+    /// What to do now; resets the belief if the position is lost only now. `blocked` says that the robot cannot get on
+    /// along the path it was given. A step costs next to nothing, but for one that chooses.
     pub fn step(
         &mut self,
         model: &LocalizationModel,
-        localization: &Localization,
+        localization: &mut Localization,
         odometry_in_odom: Pose,
         blocked: bool,
         time_us: u64,
     ) -> Intent {
         let moved_m = self.odometry_in_odom.distance_m(odometry_in_odom);
         self.odometry_in_odom = odometry_in_odom;
+        self.give_up_if_lost(model, localization);
         self.confirm(model, localization);
         let elapsed_us = time_us.saturating_sub(self.started_at_us);
         if self.confirmed >= self.parameters.confirmations {

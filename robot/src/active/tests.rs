@@ -171,7 +171,7 @@ fn a_robot_that_knows_keeps_its_belief_and_is_done_when_that_is_confirmed() {
         odometry = odometry.compose(Pose::new(0.15, 0.0, 0.0));
         let scan = scan_at(&model, START.compose(odometry));
         localization.observe(&model, odometry, &[Some(&scan)]);
-        intents.push(active.step(&model, &localization, odometry, false, 0));
+        intents.push(active.step(&model, &mut localization, odometry, false, 0));
     }
     // It drives to where it hears more, and does not wander.
     assert!(matches!(intents[0], Intent::FollowPath { .. }), "{:?}", intents[0]);
@@ -184,8 +184,27 @@ fn a_lost_robot_starts_over_and_fails_when_time_is_up() {
     let mut localization = Localization::start_uniform(&model);
     let mut active = start(&model, &mut localization);
     assert!(localization.estimate(&model).certainty < 0.1);
-    assert_eq!(active.step(&model, &localization, Pose::default(), false, 0), Intent::Explore(Exploration::Wander));
-    assert_eq!(active.step(&model, &localization, Pose::default(), false, 600_000_000), Intent::Failed);
+    assert_eq!(active.step(&model, &mut localization, Pose::default(), false, 0), Intent::Explore(Exploration::Wander));
+    assert_eq!(active.step(&model, &mut localization, Pose::default(), false, 600_000_000), Intent::Failed);
+}
+
+#[test]
+fn a_position_that_is_lost_on_the_way_is_given_up_once() {
+    let model = model(true);
+    let mut localization = Localization::start_at(&model, START, Spread::default());
+    let mut active = start(&model, &mut localization);
+    let follow = active.step(&model, &mut localization, Pose::default(), false, 0);
+    assert!(matches!(follow, Intent::FollowPath { .. }), "{follow:?}");
+    // Two places come to be as likely as each other.
+    let elsewhere = Localization::start_at(&model, mirrored(START), Spread::default());
+    localization = localization.merged(&model, &elsewhere);
+    let entropy = localization.entropy(&model);
+    let lost = active.step(&model, &mut localization, Pose::default(), false, 0);
+    assert_eq!(lost, Intent::Explore(Exploration::Wander));
+    assert!(localization.entropy(&model) > entropy + 1.0);
+    let given_up = localization.clone();
+    active.step(&model, &mut localization, Pose::default(), false, 0);
+    assert_eq!(localization, given_up);
 }
 
 #[test]
@@ -197,14 +216,14 @@ fn wandering_ends_after_its_way_and_a_saved_machine_goes_on_alike() {
     // Two scans, so that there are maxima to choose by.
     (0..25).for_each(|_| _ = localization.observe(&model, Pose::default(), &[Some(&scan)]));
     assert_eq!(
-        active.step(&model, &localization, Pose::new(10.0, 0.0, 0.0), false, 0),
+        active.step(&model, &mut localization, Pose::new(10.0, 0.0, 0.0), false, 0),
         Intent::Explore(Exploration::Wander)
     );
     let bytes = postcard::to_allocvec(&active).expect("it can be written");
     let mut loaded: ActiveLocalization = postcard::from_bytes(&bytes).expect("and read");
-    let next = active.step(&model, &localization, Pose::new(20.1, 0.0, 0.0), false, 0);
+    let next = active.step(&model, &mut localization, Pose::new(20.1, 0.0, 0.0), false, 0);
     assert!(matches!(next, Intent::FollowPath { .. }), "{next:?}");
-    assert_eq!(loaded.step(&model, &localization, Pose::new(20.1, 0.0, 0.0), false, 0), next);
+    assert_eq!(loaded.step(&model, &mut localization, Pose::new(20.1, 0.0, 0.0), false, 0), next);
     assert_eq!(loaded, active);
 }
 

@@ -358,7 +358,7 @@ impl Beliefs {
             self.agreed = agreement(&self.mode, self.dismissed_nats);
             if agreement(&self.mode, 0.0) >= LEAST_AGREED {
                 self.dismissed_nats = 0.0;
-            } else if self.agreed < LEAST_AGREED && self.held >= CONTESTED && self.contest.can_be_held(model) {
+            } else if self.agreed < LEAST_AGREED && self.held >= CONTESTED && self.contest.can_be_held() {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
                     let most = 1.0 - watch.mixing;

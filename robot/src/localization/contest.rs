@@ -2,7 +2,6 @@
 
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
-use super::scan::ScanModel;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::{Pose, wrap_angle_rad};
@@ -87,9 +86,9 @@ impl Contest {
         self.heard.clear();
     }
 
-    /// Whether anything can be laid to the map: scans of rays have been heard.
-    pub(super) fn can_be_held(&self, model: &LocalizationModel) -> bool {
-        !self.heard.is_empty() && model.sensors.iter().any(is_of_rays)
+    /// Whether anything has been heard.
+    pub(super) fn can_be_held(&self) -> bool {
+        !self.heard.is_empty()
     }
 
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
@@ -142,11 +141,6 @@ impl Contest {
     }
 }
 
-/// A cone is wider than a region, and does not tell from where in it an echo comes.
-fn is_of_rays(sensor: &ScanModel) -> bool {
-    sensor.parameters.beam.cone_deg == 0
-}
-
 /// What a scan adds to what was to be explained of the regions of the map, in nats.
 fn explained(
     model: &LocalizationModel,
@@ -158,8 +152,7 @@ fn explained(
     // Nobody can stand there.
     let Some(state) = state else { return CARRIED_NATS };
     let mut added = 0.0;
-    let sensors = model.sensors.iter().zip(scans).enumerate();
-    for (sensor, (tables, scan)) in sensors.filter(|(_, (tables, _))| is_of_rays(tables)) {
+    for (sensor, (tables, scan)) in model.sensors.iter().zip(scans).enumerate() {
         let beam = &tables.parameters.beam;
         let expected = model.expected_scan(sensor, state);
         for ((&measured, expected), &bearing_deg) in scan.iter().zip(expected).zip(&tables.parameters.beams_deg) {
@@ -171,6 +164,7 @@ fn explained(
             let is_gone = measured > expected;
             let most = if is_gone { GONE_NATS } else { NEW_NATS };
             let seen = if is_gone { expected } else { measured };
+            // Of an echo of a cone the middle of its arc is taken.
             let range_m = tables.likelihood.range_m(seen) + beam.mount_radius_m;
             let (sin, cos) = libm::sincos(pose_in_map.heading_rad + f64::from(bearing_deg).to_radians());
             let [x_m, y_m] = [pose_in_map.x_m + range_m * cos, pose_in_map.y_m + range_m * sin];
@@ -197,8 +191,17 @@ mod tests {
     use crate::occupancy::{Cell, OccupancyGrid};
     use crate::sensors::LaserScanner;
 
-    /// Two rooms of 6 × 6 m beside each other, each with a box, as lower left corners.
-    fn rooms(boxes_m: [[f64; 2]; 2]) -> LocalizationModel {
+    fn laser() -> ScanParameters {
+        ScanParameters::laser(&LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 })
+    }
+
+    /// Rays, and cones.
+    fn kinds() -> [ScanParameters; 2] {
+        [laser(), ScanParameters::default()]
+    }
+
+    /// Two rooms of 6 × 6 m beside each other, each with a box, as lower left corners, and a sensor.
+    fn rooms(boxes_m: [[f64; 2]; 2], sensor: &ScanParameters) -> LocalizationModel {
         let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 121, 61, Cell::Free);
         for (column, row) in (0..61).flat_map(|row| (0..121).map(move |column| (column, row))) {
             let at = map.centre(column, row);
@@ -207,8 +210,7 @@ mod tests {
                 map.set(column, row, Cell::Occupied);
             }
         }
-        let scanner = LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 };
-        let sensors = vec![ScanParameters::laser(&scanner)];
+        let sensors = vec![sensor.clone()];
         let parameters = LocalizationParameters { sensors, watch: None, ..LocalizationParameters::default() };
         LocalizationModel::new(&map, parameters).expect("it is a map")
     }
@@ -232,25 +234,29 @@ mod tests {
 
     #[test]
     fn a_box_that_was_moved_does_not_carry_the_robot_away_however_long_it_is_looked_at() {
-        let model = rooms([[3.0, 4.0], [10.0, 4.0]]);
-        let truth = rooms([[1.0, 4.2], [10.0, 4.0]]);
-        let here = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
-        for updates in [1, 5, 15] {
-            assert!(!is_carried(&model, &truth, updates, here), "{updates}");
+        for sensor in kinds() {
+            let model = rooms([[3.0, 4.0], [10.0, 4.0]], &sensor);
+            let truth = rooms([[1.0, 4.2], [10.0, 4.0]], &sensor);
+            let here = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
+            for updates in [1, 5, 15] {
+                assert!(!is_carried(&model, &truth, updates, here), "{updates}, {}", sensor.beam.cone_deg);
+            }
         }
     }
 
     #[test]
     fn a_robot_that_was_carried_is_told_by_few_scans() {
-        let model = rooms([[3.0, 2.0], [10.0, 4.4]]);
-        let there = Pose::new(8.0, 1.5, std::f64::consts::FRAC_PI_2);
-        assert!(is_carried(&model, &model, 4, there));
+        for sensor in kinds() {
+            let model = rooms([[3.0, 2.0], [10.0, 4.4]], &sensor);
+            let there = Pose::new(8.0, 1.5, std::f64::consts::FRAC_PI_2);
+            assert!(is_carried(&model, &model, 4, there), "{}", sensor.beam.cone_deg);
+        }
     }
 
     #[test]
     fn one_region_costs_the_same_however_often_it_is_seen() {
-        let model = rooms([[3.0, 4.0], [10.0, 4.0]]);
-        let truth = rooms([[-5.0, 4.0], [10.0, 4.0]]);
+        let model = rooms([[3.0, 4.0], [10.0, 4.0]], &laser());
+        let truth = rooms([[-5.0, 4.0], [10.0, 4.0]], &laser());
         let pose = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
         let state = truth.state_at(pose).expect("a pose on the map");
         let scan: BinnedScan = truth.expected_scan(0, state).into_iter().map(Some).collect();

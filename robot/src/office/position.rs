@@ -143,6 +143,11 @@ impl Position {
         self.localization.as_mut()
     }
 
+    /// The belief for a search that has begun.
+    pub(super) fn searched(&mut self) -> Option<&mut Localization> {
+        self.localization.as_mut()
+    }
+
     /// Whether a search has begun since this was asked last.
     pub(super) fn take_given_up(&mut self) -> bool {
         std::mem::take(&mut self.is_given_up)

@@ -66,7 +66,7 @@ impl Module for Localizing {
             behaviours: vec![BehaviourSpec {
                 name: Cow::Borrowed(NAME),
                 doc: Cow::Borrowed(
-                    "Drives to where the robot learns most about its position; gives up most of the belief first if the position is lost. Succeeds when the position is known, fails with localization-failure after ten minutes.",
+                    "Drives to where the robot learns most about its position; gives up most of the belief where the position is lost. Succeeds when the position is known, fails with localization-failure after ten minutes.",
                 ),
                 valve: Some(WHEELS),
                 parameters: Cow::Borrowed(""),
@@ -114,7 +114,7 @@ impl Module for Localizing {
 
     fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         let ([Phase::Active], Some(search)) = (now.phases, &mut self.search) else { return None };
-        let (Some(map), Some(localization)) = (&now.model.map, position.localization()) else { return None };
+        let (Some(map), Some(localization)) = (&now.model.map, position.searched()) else { return None };
         let blocked = self.drive_status == DriveStatus::Stuck;
         let chosen_before = search.last_choice().map(|choice| choice.target_in_base);
         let (odometry_in_odom, time_us) = (now.percept.odometry_in_odom, now.percept.time_us);
