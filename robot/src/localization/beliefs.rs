@@ -19,13 +19,13 @@ use serde::{Deserialize, Serialize};
 /// one at each update: beams far apart in turn, whose evidence overlaps less.
 const WATCH_BEAM_STRIDE: u64 = 3;
 
-/// θ of a coarse belief that has to find the robot, as a multiple of the share that mixing adds to each cell at every
-/// update. What sleeps comes to be worth that, and all of it wakes, once scans fit what is awake less than twice as well
-/// as the average state. It holds from when the belief leads until it falls asleep as a whole.
+/// θ of a coarse belief that has to find the robot, as a share of the prior probability of a cell: far above what mixing
+/// adds to each cell at every update. What sleeps comes to be worth that, and all of it wakes, once scans fit what is awake
+/// less than twice as well as the average state. It holds from when the belief leads until it falls asleep as a whole.
 ///
 /// Of one that was woken to watch nothing sleeps: a wrong pose that fits nearly as well as the right one is found out by
 /// what each pose has gathered scan by scan, which an average hides.
-const LED_ACTIVITY: f64 = 2.0;
+const LED_ACTIVITY: f64 = 1e-3;
 
 /// With more of the fine belief asleep than this, it knows too little to lead.
 const MOST_ASLEEP: f64 = 0.5;
@@ -341,7 +341,7 @@ impl Beliefs {
             watcher.wake(coarse_model, self.mode.pose_in_map);
         }
         let Some(coarse) = watcher.belief() else {
-            self.agreed = 1.0 - watch.mixing;
+            (self.agreed, self.dismissed_nats) = (1.0 - watch.mixing, 0.0);
             if self.mode.mass >= ASSURED {
                 self.slip.learn(self.mode.pose_in_map);
             }
@@ -369,8 +369,8 @@ impl Beliefs {
             let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
-                let is_sure = is_assured && self.agreed >= ASSURED && self.dismissed_nats == 0.0;
-                if is_sure && self.mode.mass >= ASSURED {
+                let is_sure = is_assured && self.agreed >= ASSURED;
+                if is_sure && self.dismissed_nats == 0.0 && self.mode.mass >= ASSURED {
                     self.slip.learn(self.mode.pose_in_map);
                 }
                 watcher.agree(is_sure);
@@ -384,7 +384,7 @@ impl Beliefs {
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);
             (self.mode, self.agreed) = (coarse.mode(coarse_model), 1.0);
-            let activity = f64::min(LED_ACTIVITY * watch.mixing, model.parameters.activity_threshold);
+            let activity = f64::min(LED_ACTIVITY, model.parameters.activity_threshold);
             let threshold = activity * coarse_model.prior();
             watcher.belief_mut().into_iter().for_each(|coarse| coarse.sleep_below(threshold));
         } else {

@@ -9,7 +9,6 @@ use super::parameters::{LocalizationParameters, Spread};
 use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
-use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -63,8 +62,11 @@ pub struct Localization {
     updated_at_in_odom: Option<Pose>,
     /// Odometry at the last observation.
     observed_at_in_odom: Option<Pose>,
-    /// The last scan of each sensor that was used.
+    /// The last scan of each sensor that was used ...
     last_scans_m: Vec<Option<Vec<f32>>>,
+    /// ... and what it cost to explain them at the mode, if odometry may be badly wrong; none since the belief was given
+    /// up.
+    last_costs_nats: Option<Vec<f64>>,
     rest: Rest,
     /// The pose found by the last scans, if one was.
     fix: Option<Fix>,
@@ -93,6 +95,7 @@ impl Localization {
             updated_at_in_odom: None,
             observed_at_in_odom: None,
             last_scans_m: vec![None; model.sensors.len()],
+            last_costs_nats: None,
             rest: Rest::default(),
             fix: None,
             crowd: Crowd::default(),
@@ -117,6 +120,7 @@ impl Localization {
     fn mix(&mut self, model: &LocalizationModel, share: f64) {
         self.beliefs.mix(model, share);
         self.rest = Rest::default();
+        self.last_costs_nats = None;
     }
 
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
@@ -149,8 +153,7 @@ impl Localization {
         let error = self.beliefs.odometry_error(model);
         self.beliefs.advance(model, since);
         let heard = self.heard(model, predicted_in_map, scans_m, &powers);
-        let gated: Vec<BinnedScan> = heard.iter().map(|heard| heard.gated.clone()).collect();
-        let misfit = model.misfit(predicted_in_map, &gated);
+        let misfit = model.misfit(predicted_in_map, heard.iter().map(|heard| &heard.gated));
         let is_explained = misfit.is_some_and(|misfit| misfit.is_explained());
         self.beliefs.sense(model, since, heard, self.crowd.support_nats, is_explained, self.updates);
         if self.beliefs.mode.pose_in_map.distance_m(predicted_in_map) > ELSEWHERE_M {
@@ -172,6 +175,10 @@ impl Localization {
             if let Some(scan_m) = scan_m {
                 *last_m = Some(scan_m.to_vec());
             }
+        }
+        if model.parameters.faults.is_some() {
+            let last_m: Vec<Option<&[f32]>> = self.last_scans_m.iter().map(Option::as_deref).collect();
+            self.last_costs_nats = model.costs(self.beliefs.mode.pose_in_map, &last_m);
         }
         true
     }
@@ -207,17 +214,10 @@ impl Localization {
         scans_m: &[Option<&[f32]>],
         powers: &[f64],
     ) -> bool {
-        if model.parameters.faults.is_none() {
-            return false;
-        }
-        let mode_in_map = self.beliefs.mode.pose_in_map;
-        let last_m: Vec<Option<&[f32]>> = self.last_scans_m.iter().map(Option::as_deref).collect();
-        let cost = |pose_in_map, scans_m: &[Option<&[f32]>]| model.cost(pose_in_map, scans_m, powers);
-        match (cost(mode_in_map, &last_m), cost(mode_in_map.compose(since), scans_m)) {
-            (Some(last), Some(now)) => now - last > CONTRADICTION,
-            (Some(_), None) => true,
-            (None, _) => false,
-        }
+        let Some(last_nats) = &self.last_costs_nats else { return false };
+        let weighed = |nats: &[f64]| nats.iter().zip(powers).map(|(nats, power)| nats * power).sum::<f64>();
+        let now_nats = model.costs(self.beliefs.mode.pose_in_map.compose(since), scans_m);
+        now_nats.is_none_or(|now_nats| weighed(&now_nats) - weighed(last_nats) > CONTRADICTION)
     }
 
     /// Where the scans have found the mode, it is their pose.

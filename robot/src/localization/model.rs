@@ -10,24 +10,20 @@ use super::sensor::{BinnedScan, NO_ECHO};
 use super::simd::Instructions;
 use crate::geometry::{Point, Pose, Vector};
 use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The fine belief is made of the coarse one that watches as soon as so few of its states would be above θ.
 pub(super) const FEW_STATES: f64 = 20_000.0;
 
 /// How badly scans fit a pose.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Misfit {
     /// −ln of their likelihood, tempered, less the least it can be anywhere.
     pub nats: f64,
     /// What that is on the average, by the sensor model.
     pub mean_nats: f64,
 }
-
-/// Misfit beyond this share of what the sensor model has on the average counts as doubt. At the right pose it is 0.45, scan
-/// by scan with a deviation of 0.17: the model is wider than the readings, to cover cells, headings, and what is not in the
-/// map. At a mirror pose it may be 0.75.
-const MOST_USUAL: f64 = 0.65;
 
 /// With more than this share a scan alone is a reason to ask whether odometry was badly wrong: one of fifty at the right pose.
 const MOST_EXPLAINED: f64 = 0.8;
@@ -38,9 +34,9 @@ impl Misfit {
         self.nats <= MOST_EXPLAINED * self.mean_nats
     }
 
-    /// How much worse than usual at the right pose scans fit; below 0 if they fit as usual.
-    pub(super) fn beyond_usual_nats(&self) -> f64 {
-        self.nats - MOST_USUAL * self.mean_nats
+    /// How much worse scans fit than with a share of what the sensor model has on the average; below 0 if better.
+    pub(super) fn beyond_nats(&self, share: f64) -> f64 {
+        self.nats - share * self.mean_nats
     }
 }
 
@@ -201,24 +197,28 @@ impl LocalizationModel {
         self.sensors.iter().zip(scans_m).map(binned).collect()
     }
 
-    /// −ln of the likelihood of scans at a pose, tempered and raised to a power for each sensor, less the least it can be
-    /// anywhere; none where nobody can stand.
-    pub(super) fn cost(&self, pose_in_map: Pose, scans_m: &[Option<&[f32]>], powers: &[f64]) -> Option<f64> {
+    /// −ln of the likelihood of the scan of each sensor at a pose, tempered, less the least it can be anywhere; none where
+    /// nobody can stand.
+    pub(super) fn costs(&self, pose_in_map: Pose, scans_m: &[Option<&[f32]>]) -> Option<Vec<f64>> {
         let state = self.state_at(pose_in_map).filter(|state| self.is_admissible(state.column, state.row))?;
         let of_sensor = |(sensor, scan): (usize, BinnedScan)| {
             let tables = &self.sensors[sensor];
             let pairs = scan.into_iter().zip(self.expected_scan(sensor, state));
             let nats = pairs.filter_map(|(measured, expected)| Some(tables.likelihood.nats(measured?, expected)));
-            powers[sensor] * tables.parameters.tempering * nats.sum::<f64>()
+            tables.parameters.tempering * nats.sum::<f64>()
         };
-        Some(self.binned(scans_m).into_iter().enumerate().map(of_sensor).sum())
+        Some(self.binned(scans_m).into_iter().enumerate().map(of_sensor).collect())
     }
 
     /// How badly scans fit a pose; none where nobody can stand.
-    pub(super) fn misfit(&self, pose_in_map: Pose, scans: &[BinnedScan]) -> Option<Misfit> {
+    pub(super) fn misfit<'s>(
+        &self,
+        pose_in_map: Pose,
+        scans: impl IntoIterator<Item = &'s BinnedScan>,
+    ) -> Option<Misfit> {
         let state = self.state_at(pose_in_map).filter(|state| self.is_admissible(state.column, state.row))?;
         let mut misfit = Misfit::default();
-        for (sensor, scan) in scans.iter().enumerate() {
+        for (sensor, scan) in scans.into_iter().enumerate() {
             let ScanModel { likelihood, parameters, .. } = &self.sensors[sensor];
             for (&measured, expected) in scan.iter().zip(self.expected_scan(sensor, state)) {
                 let Some(measured) = measured else { continue };

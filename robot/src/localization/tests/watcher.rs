@@ -8,6 +8,8 @@ use super::*;
 /// Of scans that fit as usual, and of those at a wrong pose.
 const USUAL: Misfit = Misfit { nats: 1.8, mean_nats: 4.0 };
 const WRONG: Misfit = Misfit { nats: 5.0, mean_nats: 4.0 };
+/// Of scans at the right pose in a building that is not as its map.
+const ROUGH: Misfit = Misfit { nats: 3.0, mean_nats: 4.0 };
 
 fn update(model: &LocalizationModel, from_in_map: Pose, motion: Pose, scan_m: &[f32]) -> Update {
     let scans = model.binned(&[Some(scan_m)]);
@@ -77,6 +79,22 @@ fn scans_that_fit_badly_wake_it_and_agreement_lets_it_sleep_again() {
         Some(USUAL),
     );
     assert!(watcher.belief().is_some(), "people wake it at once");
+}
+
+#[test]
+fn in_a_building_in_which_scans_fit_worse_it_learns_what_is_usual_and_sleeps() {
+    let model = model(fine());
+    let coarse = model.watch.as_ref().expect("a coarse belief watches");
+    let mut watcher = Watcher::asleep();
+    (0..20).for_each(|_| watcher.hear(coarse, at_rest(coarse), Some(ROUGH)));
+    assert!(watcher.belief().is_some(), "at first they are a reason to look");
+    for _ in 0..200 {
+        watcher.hear(coarse, at_rest(coarse), Some(ROUGH));
+        watcher.agree(true);
+    }
+    assert!(watcher.belief().is_none(), "no other place was found");
+    (0..8).for_each(|_| watcher.hear(coarse, at_rest(coarse), Some(WRONG)));
+    assert!(watcher.belief().is_some(), "those of a wrong pose still wake it");
 }
 
 #[test]
