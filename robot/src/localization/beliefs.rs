@@ -44,9 +44,6 @@ const CONTESTED: f64 = 0.9;
 const MOST_PLACES: usize = 12;
 const LEAST_PLACE: f64 = 1e-4;
 
-/// No share is taken to be nearer to 0 or 1 than this.
-const LEAST_ODDS: f64 = 1e-12;
-
 /// The widest normal distribution that has [`ASSURED`] of its mass within 0.5 m (3.03 standard deviations, by Rayleigh's
 /// distribution), and within 15° (2.58).
 const JUST_ASSURED: Spread = Spread { position_m: NEAR_M / 3.03, heading_rad: NEAR_RAD / 2.58 };
@@ -92,18 +89,15 @@ pub(super) struct Beliefs {
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
     /// around.
     support_nats: f64,
-    /// What the coarse one has heard against the mode and a contest has laid to a map that has aged, in nats.
-    dismissed_nats: f64,
+    /// Whether the position was given up, and both beliefs have not agreed for long since.
+    is_unsettled: bool,
 }
 
 impl Beliefs {
     /// Every state alike.
     pub(super) fn uniform(model: &LocalizationModel) -> Self {
-        Self::of(
-            model,
-            Belief::uniform(model),
-            model.watch.as_ref().map(|coarse| Watcher::awake(Belief::uniform(coarse))),
-        )
+        let watcher = model.watch.as_ref().map(|coarse| Watcher::awake(Belief::uniform(coarse)));
+        Self { is_unsettled: watcher.is_some(), ..Self::of(model, Belief::uniform(model), watcher) }
     }
 
     /// Around a known pose. The coarse belief sleeps if it is known well.
@@ -130,7 +124,7 @@ impl Beliefs {
             slip: Slip::default(),
             held: mode.mass,
             support_nats: 0.0,
-            dismissed_nats: 0.0,
+            is_unsettled: false,
         };
         beliefs.settle(model);
         beliefs
@@ -212,6 +206,11 @@ impl Beliefs {
         self.slip.error(&model.parameters.odometry)
     }
 
+    /// Whether the position was given up, and was not found again for long enough to be sure of it.
+    pub(super) fn is_unsettled(&self) -> bool {
+        self.is_unsettled
+    }
+
     /// How many times as far as its description says it strays.
     pub(super) fn slip(&self) -> f64 {
         self.slip.factor()
@@ -287,7 +286,7 @@ impl Beliefs {
 
     /// Mixes a share of the uniform distribution into both.
     pub(super) fn mix(&mut self, model: &LocalizationModel, share: f64) {
-        (self.support_nats, self.dismissed_nats, self.reckoned) = (0.0, 0.0, None);
+        (self.support_nats, self.reckoned, self.is_unsettled) = (0.0, None, model.watch.is_some());
         self.contest.forget();
         self.slip.begin_anew();
         if let (Some(watcher), Some(coarse_model)) = (&mut self.watcher, &model.watch) {
@@ -320,8 +319,8 @@ impl Beliefs {
     ///
     /// Among people, what the coarse one gives the mode is first brought in line with its support (Bayes' rule: odds times
     /// a ratio of likelihoods). People who walk along are heard again and again, and where some other pose has walls
-    /// there, it gains by each scan; the readings that go past them are those that can tell. In the same way it is
-    /// brought in line with a [`Contest`] that no other place has won.
+    /// there, it gains by each scan; the readings that go past them are those that can tell. If it objects nevertheless,
+    /// and no other place wins the [`Contest`], it is laid around the mode anew.
     fn decide(&mut self, model: &LocalizationModel) {
         if self.mode.mass >= ASSURED {
             self.reckoned = Some(Fix::around(self.mode.pose_in_map, JUST_ASSURED));
@@ -341,43 +340,41 @@ impl Beliefs {
             watcher.wake(coarse_model, self.mode.pose_in_map);
         }
         let Some(coarse) = watcher.belief() else {
-            (self.agreed, self.dismissed_nats) = (1.0 - watch.mixing, 0.0);
+            (self.agreed, self.is_unsettled) = (1.0 - watch.mixing, false);
             if self.mode.mass >= ASSURED {
                 self.slip.learn(self.mode.pose_in_map);
             }
             return;
         };
         let support_nats = self.support_nats;
-        let agreement = |mode: &Maximum, dismissed_nats: f64| {
+        let agreement = |mode: &Maximum| {
             let near = [watch.near_m + reach_m - NEAR_M, watch.near_rad + reach_rad - NEAR_RAD];
             let mass = coarse.mass_within(coarse_model, mode.pose_in_map, near[0], near[1]);
-            let ratio = libm::exp(support_nats + dismissed_nats);
+            let ratio = libm::exp(support_nats);
             ratio * mass / (1.0 + (ratio - 1.0) * mass)
         };
         if !self.is_led_by_coarse {
-            self.agreed = agreement(&self.mode, self.dismissed_nats);
-            if agreement(&self.mode, 0.0) >= LEAST_AGREED {
-                self.dismissed_nats = 0.0;
-            } else if self.agreed < LEAST_AGREED && self.held >= CONTESTED && self.contest.can_be_held() {
+            self.agreed = agreement(&self.mode);
+            if self.agreed < LEAST_AGREED && self.held >= CONTESTED && self.contest.can_be_held() {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
-                    let most = 1.0 - watch.mixing;
-                    self.dismissed_nats += log_odds(most) - log_odds(self.agreed);
-                    self.agreed = most;
+                    watcher.begin_anew(coarse_model, self.mode.pose_in_map);
+                    self.agreed = 1.0 - watch.mixing;
+                    return;
                 }
             }
             let agrees = self.agreed >= watch.agreement * self.held;
             if agrees && self.fine.mass_asleep(model) <= MOST_ASLEEP {
                 self.fine.wake_near(model, self.mode.pose_in_map, watch.near_m, watch.near_rad);
                 let is_sure = is_assured && self.agreed >= ASSURED;
-                if is_sure && self.dismissed_nats == 0.0 && self.mode.mass >= ASSURED {
+                if is_sure && self.mode.mass >= ASSURED {
                     self.slip.learn(self.mode.pose_in_map);
                 }
                 watcher.agree(is_sure);
                 return;
             }
         }
-        (self.reckoned, self.dismissed_nats) = (None, 0.0);
+        (self.reckoned, self.is_unsettled) = (None, true);
         self.contest.forget();
         self.slip.begin_anew();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
@@ -390,7 +387,7 @@ impl Beliefs {
         } else {
             self.fine = Belief::resampled(model, coarse, coarse_model);
             self.mode = self.fine.mode(model);
-            self.agreed = agreement(&self.mode, 0.0);
+            self.agreed = agreement(&self.mode);
         }
         self.held = self.mode.mass;
         watcher.disagree();
@@ -406,10 +403,6 @@ fn elsewhere(coarse: &Belief, coarse_model: &LocalizationModel, pose_in_map: Pos
     let mut places = coarse.maxima(coarse_model, MOST_PLACES, LEAST_PLACE);
     places.retain(is_elsewhere);
     places
-}
-
-fn log_odds(share: f64) -> f64 {
-    libm::log(share.max(LEAST_ODDS) / (1.0 - share).max(LEAST_ODDS))
 }
 
 /// So many states of the fine grid are above θ, by the coarse belief.

@@ -51,6 +51,10 @@ fn has_changed(before_m: Option<&[f32]>, now_m: Option<&[f32]>) -> bool {
 /// Share of the old belief kept when relocalization starts.
 const KEPT_FOR_RELOCALIZATION: f64 = 0.1;
 
+/// The certainty is no higher until both beliefs have agreed for long: of two places that explain what was heard since the
+/// position was lost, the wrong one may be found first.
+const UNSETTLED: f64 = 0.98;
+
 /// The mode has gone elsewhere when it is farther than this from where odometry has carried it.
 const ELSEWHERE_M: f64 = 1.0;
 
@@ -297,7 +301,8 @@ impl Localization {
         let pose_in_map = self.beliefs.mode.pose_in_map.compose(self.since_update());
         let share = (self.beliefs.mode.mass / self.beliefs.held).min(1.0);
         let sharp = model.parameters.reckoning.as_ref().map_or(share, |reckoning| reckoning.certainty(share));
-        Estimate { pose_in_map, certainty: sharp * self.tracking(model) }
+        let most = if self.beliefs.is_unsettled() { UNSETTLED } else { 1.0 };
+        Estimate { pose_in_map, certainty: (sharp * self.tracking(model)).min(most) }
     }
 
     /// Probability that dead reckoning has led the robot on from where it was known: low where scans speak for another

@@ -188,11 +188,14 @@ impl Watcher {
     pub(super) fn wake(&mut self, coarse: &LocalizationModel, mode_in_map: Pose) {
         let Attention::Asleep { missed } = &self.attention else { return };
         let from_in_map = missed.front().map_or(mode_in_map, |first| first.from_in_map);
-        let spread = Spread { position_m: coarse.grid.cell_m, heading_rad: coarse.grid.angle_step_rad() };
-        let mut belief = Belief::around(coarse, on_grid(coarse, from_in_map), spread);
-        belief.mix(coarse, coarse.parameters.mixing);
+        let mut belief = around(coarse, from_in_map);
         missed.iter().for_each(|update| update.replay(coarse, &mut belief));
         self.attention = Attention::Awake { belief, agreed_updates: 0 };
+    }
+
+    /// What an awake belief has heard against the mode is laid to the map; what comes from now on counts.
+    pub(super) fn begin_anew(&mut self, coarse: &LocalizationModel, mode_in_map: Pose) {
+        self.attention = Attention::Awake { belief: around(coarse, mode_in_map), agreed_updates: 0 };
     }
 
     /// The fine belief was made of this one.
@@ -217,6 +220,14 @@ impl Watcher {
             self.doubt_nats = 0.0;
         }
     }
+}
+
+/// A belief that takes a pose to be known to a cell.
+fn around(coarse: &LocalizationModel, pose_in_map: Pose) -> Belief {
+    let spread = Spread { position_m: coarse.grid.cell_m, heading_rad: coarse.grid.angle_step_rad() };
+    let mut belief = Belief::around(coarse, on_grid(coarse, pose_in_map), spread);
+    belief.mix(coarse, coarse.parameters.mixing);
+    belief
 }
 
 /// The pose in the middle of the state around a pose: so cells lie where they do when nothing is known, and mirror poses

@@ -165,3 +165,18 @@ fn what_cannot_be_true_sleeps_in_the_coarse_belief_while_it_leads() {
     assert!(awake.len() > 3, "the coarse belief leads at first: {awake:?}");
     assert!(awake.iter().any(|&tiles| tiles < all), "{awake:?} of {all}");
 }
+
+#[test]
+fn a_position_that_was_just_found_is_not_sure_before_both_beliefs_have_agreed_for_long() {
+    let model = model(fine());
+    let mut localization = Localization::start_uniform(&model);
+    let (mut found, mut sure) = (None, None);
+    for (step, (odometry, scan_m)) in drive(&model, 10_001, 150).into_iter().enumerate() {
+        localization.observe(&model, odometry, &[Some(&scan_m)]);
+        let certainty = localization.estimate(&model).certainty;
+        found = found.or((certainty > 0.9).then_some(step));
+        sure = sure.or((certainty > 0.98).then_some(step));
+    }
+    let (Some(found), Some(sure)) = (found, sure) else { panic!("found at {found:?}, sure at {sure:?}") };
+    assert!(sure >= found + 30, "found at {found}, sure at {sure}");
+}
