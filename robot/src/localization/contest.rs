@@ -28,7 +28,7 @@ const NEW_NATS: f64 = 2.3;
 const MISTAKEN_NATS: f64 = 2.3;
 
 /// Another place must explain scans better by this, in nats: a robot is seldom carried away. Chosen, not fitted.
-const CARRIED_NATS: f64 = 12.0;
+const CARRIED_NATS: f64 = 16.0;
 
 /// And it must leave no more than this share of what the tracked one costs: how much of the map has changed is not known,
 /// and where much has, all places cost much, and one of the wrong ones less than the right one.
