@@ -91,6 +91,8 @@ pub(super) struct Beliefs {
     support_nats: f64,
     /// Whether the position was given up, and both beliefs have not agreed for long since.
     is_unsettled: bool,
+    /// Whether the robot gets no nearer where the map shows a way.
+    pub is_held_up: bool,
 }
 
 impl Beliefs {
@@ -125,6 +127,7 @@ impl Beliefs {
             held: mode.mass,
             support_nats: 0.0,
             is_unsettled: false,
+            is_held_up: false,
         };
         beliefs.settle(model);
         beliefs
@@ -355,7 +358,8 @@ impl Beliefs {
         };
         if !self.is_led_by_coarse {
             self.agreed = agreement(&self.mode);
-            if self.agreed < LEAST_AGREED && self.held >= CONTESTED && self.contest.can_be_held() {
+            let may_be_the_map = !self.is_held_up && self.contest.can_be_held();
+            if may_be_the_map && self.agreed < LEAST_AGREED && self.held >= CONTESTED {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
                     watcher.begin_anew(coarse_model, self.mode.pose_in_map);

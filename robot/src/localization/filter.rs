@@ -127,6 +127,12 @@ impl Localization {
         self.last_costs_nats = None;
     }
 
+    /// Takes in whether the robot gets no nearer where the map shows a way. That speaks for another place as much as for a
+    /// map that has aged; so nothing is laid to the map as long.
+    pub fn note_held_up(&mut self, is_held_up: bool) {
+        self.beliefs.is_held_up = is_held_up;
+    }
+
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.
     pub fn merged(&self, model: &LocalizationModel, other: &Self) -> Self {
         Self::of(model, self.beliefs.merged(model, &other.beliefs))

@@ -88,6 +88,11 @@ impl Position {
         self.is_doubted = true;
     }
 
+    /// Whether the robot gets no nearer where the map shows a way.
+    pub(super) fn note_held_up(&mut self, is_held_up: bool) {
+        self.localization.iter_mut().for_each(|localization| localization.note_held_up(is_held_up));
+    }
+
     /// A plan says where the robot is.
     pub(super) fn set(&mut self, pose_in_map: Pose) {
         self.set_in_map = Some(pose_in_map);

@@ -59,6 +59,8 @@ const SEEING_IN_DOOR_S: f64 = 1.0;
 /// what that may have erred.
 const SAME_PLACE_M: f64 = 1.5;
 const SAME_PLACE_RAD: f64 = 0.8;
+/// Somebody who stands in the way goes on sooner than this.
+const HELD_UP_S: f64 = 15.0;
 /// An estimate that moves so much more than the odometry has jumped.
 const JUMP_M: f64 = 0.4;
 const JUMP_RAD: f64 = 0.5;
@@ -127,6 +129,13 @@ impl MappedNavigation {
     ) -> Vec<Point> {
         let unmapped = self.ways.unmapped_points(model, estimated_in_map, odometry_in_odom);
         unmapped.into_iter().map(|(point, _)| point).chain(self.ways.blockages.points_in_map()).collect()
+    }
+
+    /// Whether it has come no nearer for long where the map shows a way, and no closed door explains it: the map may be
+    /// another one than it is, or the robot elsewhere.
+    pub fn is_held_up(&self) -> bool {
+        let now_s = self.driver.now_s;
+        self.driver.is_active() && self.ways.progress.since_s(now_s) > HELD_UP_S && self.closed_doors().is_empty()
     }
 
     /// Time passes in which there is nothing to do and nothing to see.

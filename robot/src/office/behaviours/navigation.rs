@@ -273,6 +273,7 @@ impl Module for Navigating {
     fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
         let output = self.drive(now, position);
         self.needs_sonars = output.needs_sonars;
+        position.note_held_up(now.phases == [Phase::Active] && self.mapped.is_held_up());
         if now.phases != [Phase::Active] {
             return None;
         }

@@ -33,7 +33,8 @@ fn the_errand_is_done_after_an_interruption() {
     assert!(run.trace().contains("active-localization"), "{}", run.trace());
 }
 
-const SEED: u64 = 2;
+/// With which the robot loses its position by the turn; with some it follows it.
+const SEED: u64 = 3;
 
 /// r[determinism.same]
 #[test]
