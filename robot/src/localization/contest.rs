@@ -1,5 +1,6 @@
 //! Whether scans of late speak for another place than the tracked one, or for a map that has aged.
 
+use super::grid::State;
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::sensor::BinnedScan;
@@ -151,13 +152,20 @@ fn explained(
     let state = model.state_at(pose_in_map).filter(|state| model.is_admissible(state.column, state.row));
     // Nobody can stand there.
     let Some(state) = state else { return CARRIED_NATS };
-    let mut added = 0.0;
+    let (mut added, headings) = (0.0, model.grid.headings);
     for (sensor, (tables, scan)) in model.sensors.iter().zip(scans).enumerate() {
         let beam = &tables.parameters.beam;
-        let expected = model.expected_scan(sensor, state);
-        for ((&measured, expected), &bearing_deg) in scan.iter().zip(expected).zip(&tables.parameters.beams_deg) {
+        let [expected, left, right] = [0, 1, headings - 1].map(|turn| {
+            let heading = (state.heading + turn) % headings;
+            model.expected_scan(sensor, State { heading, ..state })
+        });
+        let beams = scan.iter().zip(&tables.parameters.beams_deg).enumerate();
+        for (index, (&measured, &bearing_deg)) in beams {
             let Some(measured) = measured else { continue };
-            let nats = tables.likelihood.nats(measured, expected);
+            let expected = expected[index];
+            // Along a wall half a step of the heading makes metres.
+            let nats = [expected, left[index], right[index]].map(|expected| tables.likelihood.nats(measured, expected));
+            let nats = nats.into_iter().fold(f64::INFINITY, f64::min);
             if nats < LEAST_NATS {
                 continue;
             }
@@ -265,5 +273,21 @@ mod tests {
             (0..20).map(|_| explained(&model, pose, std::slice::from_ref(&scan), &mut regions)).collect();
         assert!(costs.iter().sum::<f64>() > 0.0 && costs[19] == 0.0, "{costs:?}");
         assert!(regions.values().all(|&nats| nats <= GONE_NATS));
+    }
+
+    #[test]
+    fn along_a_wall_a_step_of_the_heading_needs_no_explanation_and_three_do() {
+        let model = rooms(&[], &laser());
+        // Rays along the wall that is 0.4 m to the left end metres apart from each other.
+        let cost_turned = |steps: f64| {
+            let turned = Pose::new(2.0, 5.6, steps * model.grid.angle_step_rad());
+            let state = model.state_at(turned).expect("a pose on the map");
+            let scan = [model.expected_scan(0, state).into_iter().map(Some).collect()];
+            // The first reading that needs an explanation has none for its own.
+            let (at, mut regions) = (Pose::new(2.0, 5.6, 0.0), BTreeMap::new());
+            (0..2).map(|_| explained(&model, at, &scan, &mut regions)).sum::<f64>()
+        };
+        assert_eq!([-1.0, 0.0, 1.0].map(cost_turned), [0.0; 3]);
+        assert!(cost_turned(3.0) > 0.0);
     }
 }

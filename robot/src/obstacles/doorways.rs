@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 
 /// A doorway is judged from up to so far, by what is remembered of it.
 const LOOK_M: f64 = 2.5;
-/// Points this near to a jamb, along the wall, may be its echo in a wide cone.
+/// Points this near to a jamb, along the wall, may be its echo in a wide cone ...
 const JAMB_M: f64 = 0.25;
+/// ... and no nearer than this share of the robot's width: what is left beside them must not look like a gap to it.
+const JAMB_SHARE: f64 = 0.5;
 /// Points this far before or behind the wall count as standing in the doorway: leaf, somebody's
 /// feet, and the error of the estimate.
 const DEPTH_M: f64 = 0.25;
@@ -44,19 +46,24 @@ impl Doorway {
             .collect()
     }
 
-    /// The widest gap that is left between these points and the jambs, echoes of the jambs aside.
-    fn widest_gap_m(&self, points_in_map: &[Point]) -> f64 {
-        let half_m = self.width_m / 2.0;
+    /// Whether no robot of that width gets through between these points and the jambs, echoes of the jambs aside.
+    fn is_shut_by(&self, points_in_map: &[Point], robot_width_m: f64) -> bool {
+        let (half_m, jamb_m) = (self.width_m / 2.0, JAMB_M.min(JAMB_SHARE * robot_width_m));
         let across = Vector::new(-self.along.y, self.along.x);
         let mut places_m: Vec<f64> = points_in_map
             .iter()
             .map(|point| point - self.at)
-            .filter(|offset| offset.dot(&across).abs() <= DEPTH_M && offset.dot(&self.along).abs() < half_m - JAMB_M)
+            .filter(|offset| offset.dot(&across).abs() <= DEPTH_M && offset.dot(&self.along).abs() < half_m - jamb_m)
             .map(|offset| offset.dot(&self.along))
             .chain([-half_m, half_m])
             .collect();
         places_m.sort_by(f64::total_cmp);
-        places_m.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+        places_m.windows(2).all(|pair| pair[1] - pair[0] < robot_width_m)
+    }
+
+    /// Whether somebody there would soon see it open.
+    pub fn is_at_hand(&self, here: Point) -> bool {
+        distance_m(self.at, here) <= BEFORE_M
     }
 
     /// Whether somebody there looks straight at the leaf, or stands in the opening.
@@ -105,7 +112,7 @@ impl DoorMemory {
         for_s: f64,
     ) {
         for doorway in doorways.iter().filter(|doorway| distance_m(doorway.at, here) <= LOOK_M) {
-            let is_shut = doorway.widest_gap_m(points_in_map) < robot_width_m;
+            let is_shut = doorway.is_shut_by(points_in_map, robot_width_m);
             let seen = self.seen_mut(doorway.door);
             seen.shut_s = if is_shut { seen.shut_s + for_s } else { (seen.shut_s - 2.0 * for_s).max(0.0) };
             seen.open_s = if is_shut || !doorway.is_before(here) { 0.0 } else { seen.open_s + for_s };
@@ -201,7 +208,17 @@ mod tests {
 
     #[test]
     fn a_person_in_the_middle_shuts_it() {
-        assert!(doorway().widest_gap_m(&[Point::new(2.0, 0.9), Point::new(2.1, 1.1)]) < 0.53);
-        assert!(doorway().widest_gap_m(&[Point::new(2.3, 1.0)]) > 0.53, "that is not in the doorway");
+        assert!(doorway().is_shut_by(&[Point::new(2.0, 0.9), Point::new(2.1, 1.1)], 0.53));
+        assert!(!doorway().is_shut_by(&[Point::new(2.3, 1.0)], 0.53), "that is not in the doorway");
+    }
+
+    #[test]
+    fn a_leaf_shuts_a_door_for_a_robot_narrower_than_what_jambs_may_echo() {
+        let leaf: Vec<Point> = (-7..=7).map(|step| Point::new(2.02, 1.0 + 0.06 * f64::from(step))).collect();
+        let half: Vec<Point> = leaf.iter().copied().filter(|point| point.y > 1.0).collect();
+        for robot_width_m in [0.53, 0.35, 0.21] {
+            assert!(doorway().is_shut_by(&leaf, robot_width_m), "{robot_width_m}");
+            assert_eq!(doorway().is_shut_by(&half, robot_width_m), robot_width_m > 0.5, "{robot_width_m}");
+        }
     }
 }

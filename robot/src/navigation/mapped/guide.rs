@@ -1,6 +1,7 @@
 //! How the map, and what is seen besides it, leads the driver.
 
 use super::model::NavigationModel;
+use super::progress::WayLeft;
 use super::ways::MapWays;
 use crate::avoidance::CollisionAvoidance;
 use crate::geometry::{Point, Pose, Transform, distance_m};
@@ -85,8 +86,13 @@ impl Guide for MapGuide<'_> {
         let now_s = driver.now_s;
         let costs = self.ways.costs(self.model, first, now_s);
         if let Some(cost_m) = costs.mapped.cost_m(here) {
-            let avoided_doors = self.ways.avoided_doors(now_s);
-            self.ways.progress.measure(now_s, cost_m, avoided_doors, costs.around.cost_m(here));
+            let left = WayLeft {
+                cost_m,
+                avoided_doors: self.ways.avoided_doors(now_s),
+                around_m: costs.around.cost_m(here),
+                is_at_closed_door: self.ways.is_at_closed_door(self.model, here, now_s),
+            };
+            self.ways.progress.measure(now_s, &left);
             if self.ways.progress.is_time_to_begin_anew(now_s) {
                 self.begin_anew(driver);
             }

@@ -2,6 +2,7 @@
 
 use super::costs_to_go::CostsToGo;
 use crate::avoidance::DriveLimits;
+use crate::geometry::Point;
 use crate::obstacles::Doorway;
 use crate::planning::{Inflation, PlannerModel};
 use crate::world::World;
@@ -28,6 +29,11 @@ impl NavigationModel {
     pub fn new(world: &World, limits: DriveLimits) -> Self {
         let planner = PlannerModel::of_world(world, Self::CELL_M, Inflation::of_robot(limits.robot_radius_m));
         Self { planner: Arc::new(planner), costs_to_go: CostsToGo::default(), doorways: Doorway::all(world), limits }
+    }
+
+    /// Whether a door, by its index, opens from there.
+    pub(super) fn is_at_door(&self, door: usize, here: Point) -> bool {
+        self.doorways.iter().any(|doorway| doorway.door == door && doorway.is_at_hand(here))
     }
 
     /// The same map, and what was found out about it, for another robot of that size.

@@ -39,6 +39,19 @@ pub(super) struct MapProgress {
     back: Option<WayBack>,
 }
 
+/// What is left of a way.
+#[derive(Clone, Debug)]
+pub(super) struct WayLeft {
+    /// By the map but for closed doors.
+    pub cost_m: f64,
+    /// These doors.
+    pub avoided_doors: Vec<usize>,
+    /// Around blockages besides, if there is a way.
+    pub around_m: Option<f64>,
+    /// Whether the robot stands before a closed door, for there is no other way.
+    pub is_at_closed_door: bool,
+}
+
 /// The way back to where the robot was when it was called away.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct WayBack {
@@ -107,10 +120,12 @@ impl MapProgress {
     }
 
     /// Takes in the costs of the ways left: by the map but for closed doors, and around the blockages
-    /// besides. Around other doors than before, what is nearest is counted from here; the time goes on.
-    pub fn measure(&mut self, now_s: f64, cost_m: f64, avoided_doors: Vec<usize>, around_m: Option<f64>) {
-        if self.avoided_doors != avoided_doors {
-            self.avoided_doors = avoided_doors;
+    /// besides. Around other doors than before, what is nearest is counted from here; the time goes on. So it does for
+    /// one that tries a closed door: it turns to and fro before the leaf, and comes a little nearer each time.
+    pub fn measure(&mut self, now_s: f64, left: &WayLeft) {
+        let WayLeft { cost_m, ref avoided_doors, around_m, is_at_closed_door } = *left;
+        if self.avoided_doors != *avoided_doors {
+            self.avoided_doors.clone_from(avoided_doors);
             self.least_cost_m = self.least_cost_m.map(|_| cost_m);
         }
         if self.least_cost_m == Some(f64::INFINITY) {
@@ -118,8 +133,10 @@ impl MapProgress {
         }
         if self.least_cost_m.is_none_or(|least_m| cost_m < least_m - PROGRESS_M) {
             self.least_cost_m = Some(cost_m);
-            self.around = AroundProgress::default();
-            (self.at_s, self.moved_at_s, self.begun_at_s, self.back) = (now_s, now_s, now_s, None);
+            (self.around, self.back) = (AroundProgress::default(), None);
+            if !is_at_closed_door {
+                (self.at_s, self.moved_at_s, self.begun_at_s) = (now_s, now_s, now_s);
+            }
         }
         let is_there = self.least_cost_m.is_none_or(|least_m| cost_m < least_m + BACK_M);
         if let Some(back) = &mut self.back {
@@ -130,7 +147,7 @@ impl MapProgress {
         }
         if let Some(around_m) = around_m {
             self.around.detour_m = self.around.detour_m.max(around_m - cost_m);
-            if self.around.shorten(around_m) {
+            if self.around.shorten(around_m) && !is_at_closed_door {
                 (self.moved_at_s, self.begun_at_s) = (now_s, now_s);
             }
         }
@@ -186,13 +203,17 @@ mod tests {
 
     const STEP_S: f64 = 0.05;
 
+    fn left(cost_m: f64, around_m: f64) -> WayLeft {
+        WayLeft { cost_m, avoided_doors: Vec::new(), around_m: Some(around_m), is_at_closed_door: false }
+    }
+
     /// When a robot has stalled, if ever, by the costs of the ways left at each time.
     fn stalls_at_s(until_s: f64, costs_m: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
         let mut progress = MapProgress::from(0.0, 30.0);
         let times_s = (0..(until_s / STEP_S) as u32).map(|step| f64::from(step) * STEP_S);
         times_s.into_iter().find(|&now_s| {
             let (mapped_m, around_m) = costs_m(now_s);
-            progress.measure(now_s, mapped_m, Vec::new(), Some(around_m));
+            progress.measure(now_s, &left(mapped_m, around_m));
             progress.has_stalled(now_s)
         })
     }
@@ -206,42 +227,42 @@ mod tests {
     #[test]
     fn who_is_patient_stalls_later() {
         let mut progress = MapProgress::from(0.0, 120.0);
-        progress.measure(0.0, 5.0, Vec::new(), Some(5.0));
+        progress.measure(0.0, &left(5.0, 5.0));
         assert!(!progress.has_stalled(119.0) && progress.has_stalled(121.0));
         progress.start_again(100.0);
-        progress.measure(100.0, 5.0, Vec::new(), Some(5.0));
+        progress.measure(100.0, &left(5.0, 5.0));
         assert!(!progress.has_stalled(219.0) && progress.has_stalled(221.0), "another task has the same patience");
     }
 
     #[test]
     fn the_patience_runs_on_over_interruptions() {
         let mut progress = MapProgress::from(0.0, 20.0);
-        progress.measure(0.0, 5.0, Vec::new(), Some(5.0));
+        progress.measure(0.0, &left(5.0, 5.0));
         progress.find_doors(2.0, &[], &[3]);
-        progress.measure(2.0, 5.0, Vec::new(), Some(5.0));
+        progress.measure(2.0, &left(5.0, 5.0));
         // Called away for ten seconds, it drives back, and finds the door closed once more.
         let mut again = MapProgress::from(15.0, 20.0);
         again.go_on(15.0, progress, true);
         for step in 0..=40 {
             let now_s = 15.0 + 0.1 * f64::from(step);
-            again.measure(now_s, 6.0 - 0.025 * f64::from(step), Vec::new(), Some(6.0 - 0.025 * f64::from(step)));
+            again.measure(now_s, &left(6.0 - 0.025 * f64::from(step), 6.0 - 0.025 * f64::from(step)));
             assert!(!again.has_stalled(now_s));
         }
         again.find_doors(19.0, &[], &[3]);
-        again.measure(21.9, 5.0, Vec::new(), Some(5.0));
+        again.measure(21.9, &left(5.0, 5.0));
         assert!(!again.has_stalled(21.9) && again.has_stalled(24.0), "{again:?}");
     }
 
     #[test]
     fn who_was_carried_away_has_the_time_for_another_way() {
         let mut progress = MapProgress::from(0.0, 20.0);
-        progress.measure(0.0, 5.0, Vec::new(), Some(5.0));
+        progress.measure(0.0, &left(5.0, 5.0));
         let mut again = MapProgress::from(100.0, 20.0);
         again.go_on(100.0, progress, false);
         let costs_m = (0..200).map(|step| 30.0 - 0.03 * f64::from(step));
         for (step, cost_m) in costs_m.enumerate() {
             let now_s = 100.0 + 0.1 * step as f64;
-            again.measure(now_s, cost_m, Vec::new(), Some(cost_m));
+            again.measure(now_s, &left(cost_m, cost_m));
             assert!(!again.has_stalled(now_s), "{step}");
         }
     }
@@ -251,13 +272,27 @@ mod tests {
         let mut progress = MapProgress::from(0.0, 20.0);
         let mut stalls = |at_s: f64, before: &[usize], closed: &[usize], asked_s: f64| {
             progress.find_doors(at_s, before, closed);
-            progress.measure(at_s, 5.0, closed.to_vec(), Some(5.0));
+            progress.measure(at_s, &WayLeft { avoided_doors: closed.to_vec(), ..left(5.0, 5.0) });
             progress.has_stalled(asked_s)
         };
         assert!(!stalls(10.0, &[], &[3], 29.0), "found closed for the first time");
         assert!(stalls(15.0, &[], &[3], 31.0), "forgotten, and found closed once more");
         assert!(!stalls(20.0, &[3], &[], 39.0), "open");
         assert!(stalls(25.0, &[], &[3], 41.0), "and closed again before the robot was there");
+    }
+
+    #[test]
+    fn coming_a_little_nearer_to_a_closed_leaf_is_no_progress() {
+        let stalled_s = |is_at_closed_door: bool| {
+            let mut progress = MapProgress::from(0.0, 20.0);
+            (0..600).map(f64::from).find(|&now_s| {
+                let cost_m = 3.0 - 0.02 * now_s.min(50.0);
+                progress.measure(now_s, &WayLeft { is_at_closed_door, ..left(cost_m, cost_m) });
+                progress.has_stalled(now_s)
+            })
+        };
+        assert_eq!(stalled_s(true), Some(21.0));
+        assert!(stalled_s(false).is_some_and(|at_s| at_s > 60.0));
     }
 
     #[test]

@@ -67,6 +67,12 @@ impl MapWays {
         if now_s < self.trying_doors_until_s { Vec::new() } else { self.closed_doors(now_s) }
     }
 
+    /// Whether somebody there tries a door found closed.
+    pub fn is_at_closed_door(&self, model: &NavigationModel, here: Point, now_s: f64) -> bool {
+        let is_trying = now_s < self.trying_doors_until_s;
+        is_trying && self.doors.closed(now_s).iter().any(|&door| model.is_at_door(door, here))
+    }
+
     /// What it costs to go to a target.
     pub fn costs(&mut self, model: &NavigationModel, target: Target, now_s: f64) -> Costs {
         let barriers_in_map = barriers(&model.doorways, &self.avoided_doors(now_s));
