@@ -124,11 +124,15 @@ fn add_choice(figure: &mut Figure<'_>, scene: &BeliefScene, radius_m: f64, choic
     let in_map = |point: Point| robot_in_map.transform(point);
     let way = std::iter::once(robot_in_map.point()).chain(choice.path_in_base.iter().map(|&point| in_map(point)));
     figure.track(TrackKind::Plan, "way to the target", vec![way.collect()]);
+    // Some are seen from elsewhere the robot may be, and lie outside the building from here.
     let others = choice_figures::alternatives(choice, field).into_iter();
-    figure.marks.extend(others.map(|(target_in_base, less)| {
-        let at = in_map(target_in_base);
-        mark(MarkKind::Alternative, Pose::new(at.x, at.y, 0.0), 0.0, format!("−{less:.2}"))
-    }));
+    let others = others.map(|(target_in_base, less)| (in_map(target_in_base), less));
+    let others: Vec<(Point, f64)> = others.filter(|(at, _)| figure.plan.bounds.contains(*at)).collect();
+    figure.marks.extend(
+        others
+            .into_iter()
+            .map(|(at, less)| mark(MarkKind::Alternative, Pose::new(at.x, at.y, 0.0), 0.0, format!("−{less:.2}"))),
+    );
     let target = in_map(choice.target_in_base);
     figure.marks.push(mark(MarkKind::Target, Pose::new(target.x, target.y, 0.0), 0.0, ""));
     let kind = if scene.sight.robot_in_map.is_some() { MarkKind::Robot } else { MarkKind::Estimate };

@@ -142,7 +142,7 @@ pub const TOPICS: &[Topic] = &[
         "behaviours",
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
-         look-around wheels arm x* y* o* pos-certainty* position-lost* odometry-slip* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
+         look-around wheels arm x* y* o* pos-certainty* position-lost* odometry-slip* map-misfit* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
          holding* battery* messages* read-message",
     ),
     topic(

@@ -4,6 +4,7 @@ use super::belief::Belief;
 use super::contest::Contest;
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
+use super::map_fit::MapFit;
 use super::model::{FEW_STATES, LocalizationModel, Misfit};
 use super::parameters::{OdometryError, Spread, Watch};
 use super::scan::Weighing;
@@ -84,6 +85,8 @@ pub(super) struct Beliefs {
     contest: Contest,
     /// What they tell of the odometry.
     slip: Slip,
+    /// And of the map.
+    map_fit: MapFit,
     /// Probability of the poses that dead reckoning may have led to: at least that of the mode.
     pub held: f64,
     /// How far the readings that are not short bear the mode out among people, in nats, tempered; 0 where nobody stands
@@ -124,6 +127,7 @@ impl Beliefs {
             reckoned: None,
             contest: Contest::default(),
             slip: Slip::default(),
+            map_fit: MapFit::default(),
             held: mode.mass,
             support_nats: 0.0,
             is_unsettled: false,
@@ -209,6 +213,11 @@ impl Beliefs {
         self.slip.error(&model.parameters.odometry)
     }
 
+    /// How well what is seen fits the map.
+    pub(super) fn map_fit(&self) -> &MapFit {
+        &self.map_fit
+    }
+
     /// Whether the position was given up, and was not found again for long enough to be sure of it.
     pub(super) fn is_unsettled(&self) -> bool {
         self.is_unsettled
@@ -274,6 +283,9 @@ impl Beliefs {
             watcher.hear(coarse_model, update, misfit);
         }
         self.decide(model);
+        if !self.is_led_by_coarse && !are_people_around && self.held.min(self.agreed) >= ASSURED {
+            self.map_fit.hear(model, self.mode.pose_in_map, &gated);
+        }
     }
 
     /// Takes in a landmark that was seen at the last update; [`Beliefs::settle`] must follow.
@@ -331,7 +343,13 @@ impl Beliefs {
         let [reach_m, reach_rad] = self.reach();
         self.held = match self.is_led_by_coarse || self.mode.mass >= ASSURED || self.reckoned.is_none() {
             true => self.mode.mass,
-            false => self.fine.awake_within(model, self.mode.pose_in_map, reach_m, reach_rad).max(self.mode.mass),
+            false => {
+                // Furniture that was moved by a metre makes two modes of one place: neither speaks against the other.
+                let [near_m, near_rad] =
+                    model.parameters.watch.as_ref().map_or([0.0; 2], |watch| [watch.near_m, watch.near_rad]);
+                let (reach_m, reach_rad) = (reach_m.max(near_m), reach_rad.max(near_rad));
+                self.fine.awake_within(model, self.mode.pose_in_map, reach_m, reach_rad).max(self.mode.mass)
+            }
         };
         let (Some(watcher), Some(coarse_model), Some(watch)) =
             (&mut self.watcher, &model.watch, &model.parameters.watch)

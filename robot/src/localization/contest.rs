@@ -5,7 +5,7 @@ use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
-use crate::geometry::{Pose, wrap_angle_rad};
+use crate::geometry::{Point, Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
@@ -152,15 +152,48 @@ fn explained(
     let state = model.state_at(pose_in_map).filter(|state| model.is_admissible(state.column, state.row));
     // Nobody can stand there.
     let Some(state) = state else { return CARRIED_NATS };
-    let (mut added, headings) = (0.0, model.grid.headings);
+    let mut added = 0.0;
+    for_each_unexplained(model, pose_in_map, state, scans, |reading| {
+        let most = if reading.is_gone { GONE_NATS } else { NEW_NATS };
+        // One reading may be an outlier, the echo of a detour.
+        match regions.entry(reading.region) {
+            Entry::Vacant(entry) => _ = entry.insert(0.0),
+            Entry::Occupied(mut entry) => {
+                let more = reading.nats.min(most - *entry.get()).max(0.0);
+                *entry.get_mut() += more;
+                added += more;
+            }
+        }
+    });
+    added
+}
+
+/// A reading that does not fit.
+pub(super) struct Unexplained {
+    /// Where the map would be wrong.
+    pub region: [i64; 2],
+    /// Whether something would be gone from there, not new there.
+    pub is_gone: bool,
+    /// How badly it fits.
+    pub nats: f64,
+}
+
+/// The readings of scans at a pose that need an explanation.
+pub(super) fn for_each_unexplained(
+    model: &LocalizationModel,
+    pose_in_map: Pose,
+    state: State,
+    scans: &[BinnedScan],
+    mut take: impl FnMut(Unexplained),
+) {
+    let headings = model.grid.headings;
     for (sensor, (tables, scan)) in model.sensors.iter().zip(scans).enumerate() {
         let beam = &tables.parameters.beam;
         let [expected, left, right] = [0, 1, headings - 1].map(|turn| {
             let heading = (state.heading + turn) % headings;
             model.expected_scan(sensor, State { heading, ..state })
         });
-        let beams = scan.iter().zip(&tables.parameters.beams_deg).enumerate();
-        for (index, (&measured, &bearing_deg)) in beams {
+        for (index, (&measured, &bearing_deg)) in scan.iter().zip(&tables.parameters.beams_deg).enumerate() {
             let Some(measured) = measured else { continue };
             let expected = expected[index];
             // Along a wall half a step of the heading makes metres.
@@ -170,31 +203,26 @@ fn explained(
                 continue;
             }
             let is_gone = measured > expected;
-            let most = if is_gone { GONE_NATS } else { NEW_NATS };
             let seen = if is_gone { expected } else { measured };
             // Of an echo of a cone the middle of its arc is taken.
             let range_m = tables.likelihood.range_m(seen) + beam.mount_radius_m;
             let (sin, cos) = libm::sincos(pose_in_map.heading_rad + f64::from(bearing_deg).to_radians());
-            let [x_m, y_m] = [pose_in_map.x_m + range_m * cos, pose_in_map.y_m + range_m * sin];
-            let region = [x_m, y_m].map(|along_m| libm::floor(along_m / REGION_M) as i64);
-            // One reading may be an outlier, the echo of a detour.
-            match regions.entry(region) {
-                Entry::Vacant(entry) => _ = entry.insert(0.0),
-                Entry::Occupied(mut entry) => {
-                    let more = nats.min(most - *entry.get()).max(0.0);
-                    *entry.get_mut() += more;
-                    added += more;
-                }
-            }
+            let at_m = [pose_in_map.x_m + range_m * cos, pose_in_map.y_m + range_m * sin];
+            let region = at_m.map(|along_m| libm::floor(along_m / REGION_M) as i64);
+            take(Unexplained { region, is_gone, nats });
         }
     }
-    added
+}
+
+/// In the map.
+pub(super) fn middle_of_region([column, row]: [i64; 2]) -> Point {
+    let middle_m = |index: i64| (index as f64 + 0.5) * REGION_M;
+    Point::new(middle_m(column), middle_m(row))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point;
     use crate::localization::{LocalizationParameters, ScanParameters};
     use crate::occupancy::{Cell, OccupancyGrid};
     use crate::sensors::LaserScanner;

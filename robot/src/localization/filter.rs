@@ -10,7 +10,7 @@ use super::scan::ScanModel;
 use super::scan_match::Fix;
 use super::scan_parameters::Gating;
 use super::summary::Maximum;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use serde::{Deserialize, Serialize};
 
 /// Where the robot is, as far as it knows.
@@ -326,6 +326,16 @@ impl Localization {
     /// the heading, whichever more; at least 1.
     pub fn slip(&self) -> f64 {
         self.beliefs.slip()
+    }
+
+    /// The share of what was seen of late from places that were sure, and is not as in the map.
+    pub fn map_misfit(&self) -> f64 {
+        self.beliefs.map_fit().misfit()
+    }
+
+    /// Where that is, in the map, in pieces of a metre, each with how many readings lie there.
+    pub fn unmapped_readings(&self) -> impl Iterator<Item = (Point, f64)> {
+        self.beliefs.map_fit().unexplained()
     }
 
     /// How often the belief was updated.

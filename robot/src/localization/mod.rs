@@ -8,7 +8,7 @@
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
 //! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
-//! `evidence` and `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest` and
+//! `evidence` and `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest`, `map_fit` and
 //! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), `reading` (a
 //! belief read beam by beam), and `once` (one scan against the whole map).
 
@@ -26,6 +26,7 @@ mod ground;
 mod kernel;
 mod landmark;
 mod lanes;
+mod map_fit;
 mod model;
 mod motion;
 mod odometry_faults;

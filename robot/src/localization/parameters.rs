@@ -419,7 +419,7 @@ pub struct Watch {
 
 impl Default for Watch {
     fn default() -> Self {
-        Self { cell_m: 0.3, angle_step_deg: 6, mixing: 2e-5, near_m: 1.2, near_rad: 40f64.to_radians(), agreement: 0.5 }
+        Self { cell_m: 0.3, angle_step_deg: 6, mixing: 2e-5, near_m: 1.8, near_rad: 40f64.to_radians(), agreement: 0.5 }
     }
 }
 

@@ -3,7 +3,9 @@
 use super::model::{MapModel, OfficeModel};
 use crate::geometry::Pose;
 use crate::localization::{Estimate, LandmarkSighting, Localization, Spread};
+use crate::world::World;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Where the robot believes itself to be. Only position tracking writes here; others look, doubt it,
 /// or begin a search; modules of other crates look, and tell what was found out by landmarks.
@@ -76,6 +78,22 @@ impl Position {
     /// How many times as far as its description says its odometry errs ([`Localization::slip`]).
     pub(super) fn slip(&self) -> f64 {
         self.localization.as_ref().map_or(1.0, Localization::slip)
+    }
+
+    /// The share of what it has seen of late that is not as in the map ([`Localization::map_misfit`]).
+    pub(super) fn map_misfit(&self) -> f64 {
+        self.localization.as_ref().map_or(0.0, Localization::map_misfit)
+    }
+
+    /// The room in which most of that is, if it is in a room.
+    pub(super) fn room_of_misfit<'w>(&self, world: &'w World) -> Option<&'w str> {
+        let mut rooms = BTreeMap::<&str, f64>::new();
+        for (at, readings) in self.localization.iter().flat_map(Localization::unmapped_readings) {
+            if let Some(room) = world.room_at(at) {
+                *rooms.entry(&room.name).or_default() += readings;
+            }
+        }
+        rooms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).map(|(room, _)| room)
     }
 
     /// Dead reckoning at the end of the last step.

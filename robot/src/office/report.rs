@@ -64,6 +64,13 @@ reports! {
         /// So many times as far.
         times: f64,
     } => "odometry slips",
+    /// Much of what the robot has seen of late is not as in the map.
+    MapDoesNotFit {
+        /// So much of it.
+        share: f64,
+        /// In which room most of that is.
+        room: Option<String>,
+    } => "map does not fit",
     /// The robot was to drive, and has not moved for a while.
     Immobile {
         /// From 0 to 1.
@@ -197,6 +204,10 @@ impl Report {
                 vec![("certainty", format!("{certainty:.2}"))]
             }
             Self::OdometrySlips { times } => vec![("factor", format!("{times:.1}"))],
+            Self::MapDoesNotFit { share, room } => {
+                let room = room.map(|room| ("mostly-in", room));
+                [("percent", format!("{:.0}", 100.0 * share))].into_iter().chain(room).collect()
+            }
             Self::LocalizationAction { target_in_base } => {
                 vec![("ahead", format!("{:.1}", target_in_base.x)), ("left", format!("{:.1}", target_in_base.y))]
             }

@@ -38,6 +38,15 @@ const REPORTED_SLIP: f64 = 3.0;
 /// ... once, until it errs less than this.
 const USUAL_SLIP: f64 = 1.5;
 
+/// How much of what is seen is not in the map.
+const MISFIT: &str = "map-misfit*";
+
+/// A map of which so much is otherwise is reported ...
+const REPORTED_MISFIT: f64 = 0.1;
+
+/// ... once, until it is less than this.
+const USUAL_MISFIT: f64 = 0.05;
+
 const FLUENTS: &[FluentSpec] = &[
     continuous(X, "Estimated x, in metres, map frame."),
     continuous(Y, "Estimated y, in metres, map frame."),
@@ -54,11 +63,16 @@ const FLUENTS: &[FluentSpec] = &[
         SLIP,
         "How many times as far as the robot's description says its odometry errs, by what its sensors tell of the last ways; 1 if no farther.",
     ),
+    continuous(
+        MISFIT,
+        "Share of what the sensors have seen of late, where the position was sure, that is not as in the map: things that are gone, moved or new.",
+    ),
 ];
 
 const POS_CERTAINTY: usize = fluent_number(FLUENTS, "pos-certainty*");
 const POSITION_LOST: usize = fluent_number(FLUENTS, LOST);
 const ODOMETRY_SLIP: usize = fluent_number(FLUENTS, SLIP);
+const MAP_MISFIT: usize = fluent_number(FLUENTS, MISFIT);
 
 /// The state of position tracking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,6 +81,8 @@ pub struct PositionTracking {
     was_lost: bool,
     /// Whether it was reported that odometry errs farther than it should.
     is_slip_reported: bool,
+    /// Whether it was reported that much is not as in the map.
+    is_misfit_reported: bool,
 }
 
 impl Module for PositionTracking {
@@ -117,7 +133,8 @@ impl Module for PositionTracking {
     }
 
     fn new((): &(), model: &OfficeModel, _: u64) -> Self {
-        Self { was_lost: !model.settings.start_known && model.map.is_some(), is_slip_reported: false }
+        let was_lost = !model.settings.start_known && model.map.is_some();
+        Self { was_lost, is_slip_reported: false, is_misfit_reported: false }
     }
 
     /// A doubt comes after the percept, and so does a pose that a plan has set: otherwise one scan that fits could make the robot certain
@@ -154,6 +171,13 @@ impl Module for PositionTracking {
         }
         self.is_slip_reported = slip >= if self.is_slip_reported { USUAL_SLIP } else { REPORTED_SLIP };
         tell.fluent(ODOMETRY_SLIP, Reading::Float(slip));
+        let share = position.map_misfit();
+        if share >= REPORTED_MISFIT && !self.is_misfit_reported {
+            let room = position.room_of_misfit(&now.model.world).map(str::to_string);
+            tell.event(Report::MapDoesNotFit { share, room });
+        }
+        self.is_misfit_reported = share >= if self.is_misfit_reported { USUAL_MISFIT } else { REPORTED_MISFIT };
+        tell.fluent(MAP_MISFIT, Reading::Float(share));
     }
 
     fn publish_position(&mut self, model: &OfficeModel, position: &Position, tell: &mut Telling<'_>) {
@@ -161,6 +185,7 @@ impl Module for PositionTracking {
         tell.fluent(POS_CERTAINTY, Reading::Float(position.estimate(map).certainty));
         tell.fluent(POSITION_LOST, Reading::Truth(position.tracking(map) <= model.settings.active.certainty));
         tell.fluent(ODOMETRY_SLIP, Reading::Float(position.slip()));
+        tell.fluent(MAP_MISFIT, Reading::Float(position.map_misfit()));
     }
 }
 
