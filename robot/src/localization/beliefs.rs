@@ -1,7 +1,7 @@
 //! The fine belief, the coarse one that watches over it, and which of the two leads.
 
 use super::belief::Belief;
-use super::contest::Contest;
+use super::contest::{Contest, KEPT_UPDATES};
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::map_fit::MapFit;
@@ -40,6 +40,9 @@ const LEAST_AGREED: f64 = 0.98;
 
 /// ... unless the fine belief holds less of the pose than this.
 const CONTESTED: f64 = 0.9;
+
+/// All places are compared at the latest after so many updates, if scans have been explained badly.
+const LONGEST_REVIEW_UPDATES: usize = 640;
 
 /// So many places of the coarse belief are looked at, with this much of it at the least.
 const MOST_PLACES: usize = 12;
@@ -94,8 +97,53 @@ pub(super) struct Beliefs {
     support_nats: f64,
     /// Whether the position was given up, and both beliefs have not agreed for long since.
     is_unsettled: bool,
+    /// When all places are to be compared next.
+    review: Review,
+}
+
+/// When the tracked pose is compared with all places that there are, not only with those that the coarse belief objects
+/// with: what a robot at a wrong place hears is laid to the map time and again, and what is usual is learned there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Review {
     /// Whether the robot gets no nearer where the map shows a way.
-    pub is_held_up: bool,
+    is_held_up: bool,
+    /// After so many updates, if the scans ask for it then.
+    due_in_updates: usize,
+    /// And after so many more the next time: where the map has aged they always ask.
+    interval_updates: usize,
+}
+
+impl Default for Review {
+    fn default() -> Self {
+        Self { is_held_up: false, due_in_updates: KEPT_UPDATES, interval_updates: KEPT_UPDATES }
+    }
+}
+
+impl Review {
+    /// Takes in whether the robot gets no nearer. As soon as it does not, the review is due.
+    fn note_held_up(&mut self, is_held_up: bool) {
+        if is_held_up && !self.is_held_up {
+            *self = Self { due_in_updates: 0, ..Self::default() };
+        }
+        self.is_held_up = is_held_up;
+    }
+
+    /// Whether it is due at this update.
+    fn is_due(&mut self) -> bool {
+        self.due_in_updates = self.due_in_updates.saturating_sub(1);
+        self.due_in_updates == 0
+    }
+
+    /// Nothing asked for it.
+    fn is_not_needed(&mut self) {
+        *self = Self { is_held_up: self.is_held_up, ..Self::default() };
+    }
+
+    /// No place has won.
+    fn was_for_nothing(&mut self) {
+        self.due_in_updates = self.interval_updates;
+        self.interval_updates = (2 * self.interval_updates).min(LONGEST_REVIEW_UPDATES);
+    }
 }
 
 impl Beliefs {
@@ -131,7 +179,7 @@ impl Beliefs {
             held: mode.mass,
             support_nats: 0.0,
             is_unsettled: false,
-            is_held_up: false,
+            review: Review::default(),
         };
         beliefs.settle(model);
         beliefs
@@ -282,9 +330,37 @@ impl Beliefs {
             let update = Update { from_in_map, motion, error, scans, weighings, mixed, sightings: Vec::new() };
             watcher.hear(coarse_model, update, misfit);
         }
+        self.review(model);
         self.decide(model);
         if !self.is_led_by_coarse && !are_people_around && self.held.min(self.agreed) >= ASSURED {
             self.map_fit.hear(model, self.mode.pose_in_map, &gated);
+        }
+    }
+
+    /// Takes in whether the robot gets no nearer where the map shows a way.
+    pub(super) fn note_held_up(&mut self, is_held_up: bool) {
+        self.review.note_held_up(is_held_up);
+    }
+
+    /// Compares the tracked pose with all places, if scans of late are explained badly there, or the robot gets no nearer.
+    /// If one of them wins, the belief of them all objects.
+    fn review(&mut self, model: &LocalizationModel) {
+        let (Some(watcher), Some(coarse_model), Some(watch)) =
+            (&mut self.watcher, &model.watch, &model.parameters.watch)
+        else {
+            return;
+        };
+        if self.is_led_by_coarse || !self.review.is_due() {
+            return;
+        }
+        if !self.contest.may_be_won(model) {
+            return self.review.is_not_needed();
+        }
+        let anywhere = self.contest.from_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
+        let places = elsewhere(&anywhere, coarse_model, self.mode.pose_in_map, watch);
+        match self.contest.is_won_by(model, &places) {
+            true => watcher.take_over(anywhere),
+            false => self.review.was_for_nothing(),
         }
     }
 
@@ -376,8 +452,7 @@ impl Beliefs {
         };
         if !self.is_led_by_coarse {
             self.agreed = agreement(&self.mode);
-            let may_be_the_map = !self.is_held_up && self.contest.can_be_held();
-            if may_be_the_map && self.agreed < LEAST_AGREED && self.held >= CONTESTED {
+            if self.contest.can_be_held() && self.agreed < LEAST_AGREED && self.held >= CONTESTED {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
                 if !places.is_empty() && !self.contest.is_won_by(model, &places) {
                     watcher.begin_anew(coarse_model, self.mode.pose_in_map);
@@ -397,6 +472,7 @@ impl Beliefs {
             }
         }
         (self.reckoned, self.is_unsettled) = (None, true);
+        self.review.is_not_needed();
         self.contest.forget();
         self.slip.begin_anew();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
@@ -470,5 +546,43 @@ mod tests {
         // Bayes' rule: odds of 3 to 7 become 11 times as much.
         let agreed = agreed(2.4).expect("the fine belief leads on");
         assert!((0.8..0.9).contains(&agreed), "{agreed}");
+    }
+
+    /// As where furniture was moved by a metre.
+    #[test]
+    fn two_modes_a_metre_apart_are_one_place_and_three_metres_apart_are_two() {
+        let map = OccupancyGrid::filled(Point::new(0.0, 0.0), 0.1, 90, 60, Cell::Free);
+        let sensors = vec![ScanParameters::default()];
+        let parameters = LocalizationParameters { angle_step_deg: 5, sensors, ..Default::default() };
+        let model = LocalizationModel::new(&map, parameters).expect("it is a map");
+        let at = |x_m: f64| Pose::new(x_m, 3.0, 0.0);
+        let known = Spread { position_m: 0.1, heading_rad: 0.05 };
+        let held = |apart_m: f64| {
+            let mut beliefs = Beliefs::around(&model, at(2.0), known);
+            let other = Belief::around(&model, at(2.0 + apart_m), known);
+            beliefs.fine = beliefs.fine.merged(&model, &other);
+            beliefs.settle(&model);
+            assert!(beliefs.mode.mass < 0.6, "{}", beliefs.mode.mass);
+            beliefs.held
+        };
+        assert!(held(1.0) > 0.95, "{}", held(1.0));
+        assert!(held(3.0) < 0.6, "{}", held(3.0));
+    }
+
+    #[test]
+    fn all_places_are_compared_when_the_robot_is_held_up_and_ever_more_seldom_where_none_wins() {
+        let mut review = Review::default();
+        let mut updates = |review: &mut Review| 1 + (0..10_000).take_while(|_| !review.is_due()).count();
+        assert_eq!(updates(&mut review), KEPT_UPDATES);
+        let intervals = [0; 6].map(|_| {
+            review.was_for_nothing();
+            updates(&mut review)
+        });
+        assert_eq!(intervals, [40, 80, 160, 320, 640, 640]);
+        review.note_held_up(true);
+        assert_eq!(updates(&mut review), 1);
+        review.was_for_nothing();
+        review.note_held_up(true);
+        assert_eq!(updates(&mut review), KEPT_UPDATES, "held up once");
     }
 }

@@ -1,8 +1,10 @@
 //! Whether scans of late speak for another place than the tracked one, or for a map that has aged.
 
+use super::belief::Belief;
 use super::grid::State;
 use super::landmark::LandmarkSighting;
 use super::model::LocalizationModel;
+use super::parameters::OdometryError;
 use super::sensor::BinnedScan;
 use super::summary::Maximum;
 use crate::geometry::{Point, Pose, wrap_angle_rad};
@@ -11,7 +13,7 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
 /// So many updates are kept: what they have told of one place.
-const KEPT_UPDATES: usize = 40;
+pub(super) const KEPT_UPDATES: usize = 40;
 
 /// Edge of a region of the map, of which it is one question whether it has changed.
 const REGION_M: f64 = 1.0;
@@ -35,9 +37,11 @@ const CARRIED_NATS: f64 = 16.0;
 /// and where much has, all places cost much, and one of the wrong ones less than the right one.
 const MOST_SHARE: f64 = 0.4;
 
-/// Another place is searched for so far around a pose of the coarse grid, in cells and steps of the fine one.
-const AROUND_CELLS: i64 = 1;
-const AROUND_STEPS: i64 = 2;
+/// Another place is searched for so far around a pose of the coarse grid, in cells and steps of the fine one ...
+const FIRST_AROUND: [i64; 2] = [1, 2];
+
+/// ... and so far from where odometry leads from there.
+const AROUND: [i64; 2] = [1, 1];
 
 /// What one update had.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,41 +96,45 @@ impl Contest {
         !self.heard.is_empty()
     }
 
+    /// Whether the scans are so badly explained at the tracked poses that another place may win. O(updates · beams).
+    pub(super) fn may_be_won(&self, model: &LocalizationModel) -> bool {
+        let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
+        self.costs(model, &tracked).last().is_some_and(|&nats| nats >= CARRIED_NATS)
+    }
+
+    /// A coarse belief of a robot that knows nothing but these scans, wherever it is. Cost: so many updates of all states.
+    pub(super) fn from_anywhere(&self, coarse: &LocalizationModel, error: &OdometryError) -> Belief {
+        let mut belief = Belief::uniform(coarse);
+        for heard in &self.heard {
+            belief.advance(coarse, heard.motion, error);
+            belief.sense(coarse, &heard.scans);
+            heard.sightings.iter().for_each(|sighting| belief.see(coarse, sighting));
+        }
+        belief
+    }
+
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
     /// must have been carried there. O(updates · beams · places).
     pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
         let own = self.costs(model, &tracked);
         places.iter().any(|place| {
-            let costs = self.costs(model, &self.carried_back(self.refined(model, place.pose_in_map)));
+            let costs = self.costs(model, &self.tracked_back(model, place.pose_in_map));
             own.iter().zip(costs).any(|(own, other)| own - other >= CARRIED_NATS && other <= MOST_SHARE * own)
         })
     }
 
-    /// The pose at each update by odometry, the last first, for one after the last.
-    fn carried_back(&self, last_in_map: Pose) -> Vec<Pose> {
-        let back = |pose_in_map: &mut Pose, heard: &Heard| {
-            let here = *pose_in_map;
-            *pose_in_map = here.compose(heard.motion.inverse());
-            Some(here)
-        };
-        self.heard.iter().rev().scan(last_in_map, back).collect()
-    }
-
-    /// The state around a pose of the coarse grid that fits the last scan best.
-    fn refined(&self, model: &LocalizationModel, coarse_in_map: Pose) -> Pose {
-        let Some(last) = self.heard.back() else { return coarse_in_map };
-        let (cell_m, step_rad) = (model.grid.cell_m, model.grid.angle_step_rad());
-        let by = |count: i64| -count..=count;
-        let around = by(AROUND_CELLS).flat_map(|x| by(AROUND_CELLS).map(move |y| (x, y)));
-        let around = around.flat_map(|(x, y)| by(AROUND_STEPS).map(move |turn| (x, y, turn)));
-        let poses = around.map(|(x, y, turn)| {
-            let [x_m, y_m] = [x, y].map(|cells| cells as f64 * cell_m);
-            let heading_rad = wrap_angle_rad(coarse_in_map.heading_rad + turn as f64 * step_rad);
-            Pose::new(coarse_in_map.x_m + x_m, coarse_in_map.y_m + y_m, heading_rad)
+    /// The pose at each update, the last first, of a robot that is about a place after the last one: by odometry, which
+    /// errs, and each time where the scan fits best near there. The tracked pose has followed the scans as well.
+    fn tracked_back(&self, model: &LocalizationModel, last_in_map: Pose) -> Vec<Pose> {
+        let mut by_motion = last_in_map;
+        let mut around = FIRST_AROUND;
+        let back = self.heard.iter().rev().map(|heard| {
+            let here = fitted(model, by_motion, &heard.scans, std::mem::replace(&mut around, AROUND));
+            by_motion = here.compose(heard.motion.inverse());
+            here
         });
-        let fits = poses.filter_map(|pose| Some((pose, model.misfit(pose, &last.scans)?.nats)));
-        fits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(coarse_in_map, |(pose, _)| pose)
+        back.collect()
     }
 
     /// What it costs to explain the last scans, all from the last one on, the last two, and so on, at poses.
@@ -140,6 +148,21 @@ impl Contest {
         });
         costs.collect()
     }
+}
+
+/// The pose around one, by so many cells and steps of the heading, that fits scans best.
+fn fitted(model: &LocalizationModel, pose_in_map: Pose, scans: &[BinnedScan], [cells, steps]: [i64; 2]) -> Pose {
+    let (cell_m, step_rad) = (model.grid.cell_m, model.grid.angle_step_rad());
+    let by = |count: i64| -count..=count;
+    let around = by(cells).flat_map(|x| by(cells).map(move |y| (x, y)));
+    let around = around.flat_map(|(x, y)| by(steps).map(move |turn| (x, y, turn)));
+    let poses = around.map(|(x, y, turn)| {
+        let [x_m, y_m] = [x, y].map(|cells| cells as f64 * cell_m);
+        let heading_rad = wrap_angle_rad(pose_in_map.heading_rad + turn as f64 * step_rad);
+        Pose::new(pose_in_map.x_m + x_m, pose_in_map.y_m + y_m, heading_rad)
+    });
+    let fits = poses.filter_map(|pose| Some((pose, model.misfit(pose, scans)?.nats)));
+    fits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(pose_in_map, |(pose, _)| pose)
 }
 
 /// What a scan adds to what was to be explained of the regions of the map, in nats.
@@ -238,6 +261,12 @@ mod tests {
 
     /// Two rooms of 6 × 6 m beside each other, with boxes, as lower left corners, and a sensor.
     fn rooms(boxes_m: &[[f64; 2]], sensor: &ScanParameters) -> LocalizationModel {
+        let sensors = vec![sensor.clone()];
+        let parameters = LocalizationParameters { sensors, watch: None, ..LocalizationParameters::default() };
+        LocalizationModel::new(&rooms_map(boxes_m), parameters).expect("it is a map")
+    }
+
+    fn rooms_map(boxes_m: &[[f64; 2]]) -> OccupancyGrid {
         let mut map = OccupancyGrid::filled(Point::origin(), 0.1, 121, 61, Cell::Free);
         for (column, row) in (0..61).flat_map(|row| (0..121).map(move |column| (column, row))) {
             let at = map.centre(column, row);
@@ -246,9 +275,7 @@ mod tests {
                 map.set(column, row, Cell::Occupied);
             }
         }
-        let sensors = vec![sensor.clone()];
-        let parameters = LocalizationParameters { sensors, watch: None, ..LocalizationParameters::default() };
-        LocalizationModel::new(&map, parameters).expect("it is a map")
+        map
     }
 
     /// Whether a robot that is tracked in the left room, driving up, and sees what is to be seen from there or from
@@ -317,5 +344,29 @@ mod tests {
         };
         assert_eq!([-1.0, 0.0, 1.0].map(cost_turned), [0.0; 3]);
         assert!(cost_turned(3.0) > 0.0);
+    }
+
+    #[test]
+    fn a_belief_from_anywhere_names_the_place_of_which_the_scans_tell() {
+        let boxes_m = [[3.0, 2.0], [0.5, 4.0], [10.0, 4.4], [9.6, 1.0]];
+        for sensor in kinds() {
+            let model = rooms(&boxes_m, &sensor);
+            let parameters = LocalizationParameters { sensors: vec![sensor], ..LocalizationParameters::default() };
+            let watching = LocalizationModel::new(&rooms_map(&boxes_m), parameters).expect("it is a map");
+            let coarse = watching.watch.as_ref().expect("a coarse belief watches");
+            let mut contest = Contest::default();
+            let (mut here, motion) = (Pose::new(8.0, 1.5, std::f64::consts::FRAC_PI_2), Pose::new(0.15, 0.0, 0.0));
+            let tracked = Pose::new(2.0, 1.5, std::f64::consts::FRAC_PI_2);
+            for _ in 0..12 {
+                here = here.compose(motion);
+                let scan = model.expected_scan(0, model.state_at(here).expect("a pose on the map"));
+                contest.hear(motion, tracked, &[scan.into_iter().map(Some).collect()]);
+            }
+            assert!(contest.may_be_won(&model));
+            let anywhere = contest.from_anywhere(coarse, &coarse.parameters.odometry);
+            let best = anywhere.maxima(coarse, 1, 0.1)[0].pose_in_map;
+            assert!(best.distance_m(here) < 0.5, "{best:?}, {here:?}");
+            assert!(contest.is_won_by(&model, &anywhere.maxima(coarse, 3, 0.01)));
+        }
     }
 }

@@ -128,9 +128,9 @@ impl Localization {
     }
 
     /// Takes in whether the robot gets no nearer where the map shows a way. That speaks for another place as much as for a
-    /// map that has aged; so nothing is laid to the map as long.
+    /// map that has aged, so all places are compared with where the robot takes itself to be.
     pub fn note_held_up(&mut self, is_held_up: bool) {
-        self.beliefs.is_held_up = is_held_up;
+        self.beliefs.note_held_up(is_held_up);
     }
 
     /// Half of this belief and half of another one, to half a cell: two hypotheses to be told apart.

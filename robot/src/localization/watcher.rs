@@ -198,6 +198,11 @@ impl Watcher {
         self.attention = Attention::Awake { belief: around(coarse, mode_in_map), agreed_updates: 0 };
     }
 
+    /// It has heard all scans of late, without knowing where the robot was.
+    pub(super) fn take_over(&mut self, belief: Belief) {
+        self.attention = Attention::Awake { belief, agreed_updates: 0 };
+    }
+
     /// The fine belief was made of this one.
     pub(super) fn disagree(&mut self) {
         (self.doubt_nats, self.usual, self.last) = (0.0, USUAL, None);
