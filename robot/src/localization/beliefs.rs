@@ -142,7 +142,9 @@ impl Review {
     /// No place has won.
     fn was_for_nothing(&mut self) {
         self.due_in_updates = self.interval_updates;
-        self.interval_updates = (2 * self.interval_updates).min(LONGEST_REVIEW_UPDATES);
+        if !self.is_held_up {
+            self.interval_updates = (2 * self.interval_updates).min(LONGEST_REVIEW_UPDATES);
+        }
     }
 }
 
@@ -358,7 +360,7 @@ impl Beliefs {
         }
         let anywhere = self.contest.from_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
         let places = elsewhere(&anywhere, coarse_model, self.mode.pose_in_map, watch);
-        match self.contest.is_won_by(model, &places) {
+        match self.contest.is_won_by(model, &places, self.review.is_held_up) {
             true => watcher.take_over(anywhere),
             false => self.review.was_for_nothing(),
         }
@@ -454,7 +456,7 @@ impl Beliefs {
             self.agreed = agreement(&self.mode);
             if self.contest.can_be_held() && self.agreed < LEAST_AGREED && self.held >= CONTESTED {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
-                if !places.is_empty() && !self.contest.is_won_by(model, &places) {
+                if !places.is_empty() && !self.contest.is_won_by(model, &places, self.review.is_held_up) {
                     watcher.begin_anew(coarse_model, self.mode.pose_in_map);
                     self.agreed = 1.0 - watch.mixing;
                     return;
@@ -581,8 +583,10 @@ mod tests {
         assert_eq!(intervals, [40, 80, 160, 320, 640, 640]);
         review.note_held_up(true);
         assert_eq!(updates(&mut review), 1);
-        review.was_for_nothing();
-        review.note_held_up(true);
-        assert_eq!(updates(&mut review), KEPT_UPDATES, "held up once");
+        for _ in 0..3 {
+            review.was_for_nothing();
+            review.note_held_up(true);
+            assert_eq!(updates(&mut review), KEPT_UPDATES, "as long as it is held up");
+        }
     }
 }

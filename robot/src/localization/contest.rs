@@ -37,6 +37,12 @@ const CARRIED_NATS: f64 = 16.0;
 /// and where much has, all places cost much, and one of the wrong ones less than the right one.
 const MOST_SHARE: f64 = 0.4;
 
+/// And it must do so over as many updates: what was moved near by is in all scans from one spot.
+const LEAST_UPDATES: usize = 6;
+
+/// Of a robot that gets no nearer it is likelier that it is elsewhere: then so much is enough, whatever its share.
+const HELD_UP_NATS: f64 = 8.0;
+
 /// Another place is searched for so far around a pose of the coarse grid, in cells and steps of the fine one ...
 const FIRST_AROUND: [i64; 2] = [1, 2];
 
@@ -114,13 +120,17 @@ impl Contest {
     }
 
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
-    /// must have been carried there. O(updates · beams · places).
-    pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum]) -> bool {
+    /// must have been carried there, for one that gets no nearer or for any other. O(updates · beams · places).
+    pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum], is_held_up: bool) -> bool {
+        let (least_nats, most_share) = if is_held_up { (HELD_UP_NATS, 1.0) } else { (CARRIED_NATS, MOST_SHARE) };
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
         let own = self.costs(model, &tracked);
         places.iter().any(|place| {
             let costs = self.costs(model, &self.tracked_back(model, place.pose_in_map));
-            own.iter().zip(costs).any(|(own, other)| own - other >= CARRIED_NATS && other <= MOST_SHARE * own)
+            own.iter()
+                .zip(costs)
+                .skip(LEAST_UPDATES - 1)
+                .any(|(own, other)| own - other >= least_nats && other <= most_share * own)
         })
     }
 
@@ -292,7 +302,7 @@ mod tests {
             (seen_from, tracked, place) = (seen_from.compose(motion), tracked.compose(motion), place.compose(motion));
         }
         let last_in_map = place.compose(motion.inverse());
-        contest.is_won_by(model, &[Maximum { pose_in_map: last_in_map, mass: 0.5 }])
+        contest.is_won_by(model, &[Maximum { pose_in_map: last_in_map, mass: 0.5 }], false)
     }
 
     #[test]
@@ -366,7 +376,7 @@ mod tests {
             let anywhere = contest.from_anywhere(coarse, &coarse.parameters.odometry);
             let best = anywhere.maxima(coarse, 1, 0.1)[0].pose_in_map;
             assert!(best.distance_m(here) < 0.5, "{best:?}, {here:?}");
-            assert!(contest.is_won_by(&model, &anywhere.maxima(coarse, 3, 0.01)));
+            assert!(contest.is_won_by(&model, &anywhere.maxima(coarse, 3, 0.01), false));
         }
     }
 }

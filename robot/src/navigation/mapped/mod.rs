@@ -131,9 +131,11 @@ impl MappedNavigation {
         unmapped.into_iter().map(|(point, _)| point).chain(self.ways.blockages.points_in_map()).collect()
     }
 
-    /// Whether it has come no nearer for long where the map shows a way: the way may be blocked, or the robot elsewhere.
+    /// Whether it has come no nearer for long where the map shows a way, and no closed door explains it: the map may be
+    /// another one than it is, or the robot elsewhere.
     pub fn is_held_up(&self) -> bool {
-        self.driver.is_active() && self.ways.progress.since_s(self.driver.now_s) > HELD_UP_S
+        let now_s = self.driver.now_s;
+        self.driver.is_active() && self.ways.progress.since_s(now_s) > HELD_UP_S && self.closed_doors().is_empty()
     }
 
     /// Time passes in which there is nothing to do and nothing to see.

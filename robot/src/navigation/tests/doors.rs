@@ -106,3 +106,28 @@ fn a_door_twelve_centimetres_wider_than_the_robot_is_passed_without_a_touch() {
         assert_eq!((outcome.event, outcome.contacts), (Some(NavigationEvent::Arrived), 0), "seed {seed}: {outcome:?}");
     }
 }
+
+#[test]
+fn a_robot_that_gets_no_nearer_is_held_up_unless_a_closed_door_explains_it() {
+    let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
+    let begun = |is_closed: bool| {
+        let mut state = scene.simulator.start(1);
+        let plan = plan_to(&scene, "corner", state.true_pose(), &[]);
+        if is_closed {
+            scene.simulator.close_door(&mut state, "east").expect("a door");
+        }
+        Journey::new(&scene, state, plan.targets)
+    };
+    let mut before_door = begun(true);
+    while before_door.step() != Some(NavigationEvent::Blocked) {
+        assert!(!before_door.navigation.is_held_up(), "at {} s", before_door.state.time_us / 1_000_000);
+    }
+    let mut stopped = begun(false);
+    let mut held_up_s = None;
+    while held_up_s.is_none() && stopped.state.time_us < 20_000_000 {
+        stopped.step();
+        stopped.commands = Commands { sonars_on: true, ..Commands::default() };
+        held_up_s = stopped.navigation.is_held_up().then_some(stopped.state.time_us / 1_000_000);
+    }
+    assert_eq!(held_up_s, Some(15));
+}

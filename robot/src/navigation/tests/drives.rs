@@ -23,26 +23,6 @@ fn a_door_found_closed_is_reported_as_blocked() {
     assert_eq!(outcome.contacts, 0, "{outcome:?}");
 }
 
-#[test]
-fn a_robot_that_gets_no_nearer_for_fifteen_seconds_is_held_up() {
-    let scene = Scene::new(World::builtin("test-room").expect("a built-in world"));
-    let state = scene.simulator.start(1);
-    let goal = scene.world.place("corner").expect("a place");
-    let plan = scene.topology.plan(&scene.model.planner, state.true_pose(), goal, &[]).expect("a plan");
-    let mut journey = Journey::new(&scene, state, plan.targets);
-    while journey.state.time_us < 5_000_000 {
-        journey.step();
-    }
-    assert!(!journey.navigation.is_held_up());
-    let mut stands_s = 0.0;
-    while !journey.navigation.is_held_up() && stands_s < 30.0 {
-        journey.commands = Commands { sonars_on: true, ..Commands::default() };
-        journey.step();
-        stands_s += 0.05;
-    }
-    assert!((14.0..16.5).contains(&stands_s), "{stands_s}");
-}
-
 /// Two halves with a passage of 1.2 m without a door, or without any wall between them.
 #[test]
 fn a_room_without_a_door_is_entered_where_no_wall_is() {
