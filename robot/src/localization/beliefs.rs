@@ -1,7 +1,7 @@
 //! The fine belief, the coarse one that watches over it, and which of the two leads.
 
 use super::belief::Belief;
-use super::contest::{Contest, KEPT_UPDATES};
+use super::contest::{Claim, Contest, KEPT_UPDATES, Verdict};
 use super::gating::Company;
 use super::landmark::LandmarkSighting;
 use super::map_fit::MapFit;
@@ -126,6 +126,11 @@ impl Review {
             *self = Self { due_in_updates: 0, ..Self::default() };
         }
         self.is_held_up = is_held_up;
+    }
+
+    /// Why places are compared, if not for the robot being held up.
+    fn claim(&self, otherwise: Claim) -> Claim {
+        if self.is_held_up { Claim::HeldUp } else { otherwise }
     }
 
     /// Whether it is due at this update.
@@ -360,9 +365,9 @@ impl Beliefs {
         }
         let anywhere = self.contest.from_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
         let places = elsewhere(&anywhere, coarse_model, self.mode.pose_in_map, watch);
-        match self.contest.is_won_by(model, &places, self.review.is_held_up) {
-            true => watcher.take_over(anywhere),
-            false => self.review.was_for_nothing(),
+        match self.contest.verdict(model, &places, self.review.claim(Claim::Review)) {
+            Verdict::Won => watcher.take_over(anywhere),
+            Verdict::Pending | Verdict::Dismissed => self.review.was_for_nothing(),
         }
     }
 
@@ -456,9 +461,15 @@ impl Beliefs {
             self.agreed = agreement(&self.mode);
             if self.contest.can_be_held() && self.agreed < LEAST_AGREED && self.held >= CONTESTED {
                 let places = elsewhere(coarse, coarse_model, self.mode.pose_in_map, watch);
-                if !places.is_empty() && !self.contest.is_won_by(model, &places, self.review.is_held_up) {
-                    watcher.begin_anew(coarse_model, self.mode.pose_in_map);
+                let verdict = match places.is_empty() {
+                    true => Verdict::Won,
+                    false => self.contest.verdict(model, &places, self.review.claim(Claim::Objection)),
+                };
+                if verdict != Verdict::Won {
                     self.agreed = 1.0 - watch.mixing;
+                    if verdict == Verdict::Dismissed {
+                        watcher.begin_anew(coarse_model, self.mode.pose_in_map);
+                    }
                     return;
                 }
             }
@@ -574,7 +585,7 @@ mod tests {
     #[test]
     fn all_places_are_compared_when_the_robot_is_held_up_and_ever_more_seldom_where_none_wins() {
         let mut review = Review::default();
-        let mut updates = |review: &mut Review| 1 + (0..10_000).take_while(|_| !review.is_due()).count();
+        let updates = |review: &mut Review| 1 + (0..10_000).take_while(|_| !review.is_due()).count();
         assert_eq!(updates(&mut review), KEPT_UPDATES);
         let intervals = [0; 6].map(|_| {
             review.was_for_nothing();

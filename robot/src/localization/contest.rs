@@ -40,6 +40,10 @@ const MOST_SHARE: f64 = 0.4;
 /// And it must do so over as many updates: what was moved near by is in all scans from one spot.
 const LEAST_UPDATES: usize = 6;
 
+/// The same of the best of all places there are, of which nobody has objected with one: of thousands some fit well by
+/// chance.
+const ANYWHERE_NATS: f64 = 24.0;
+
 /// Of a robot that gets no nearer it is likelier that it is elsewhere: then so much is enough, whatever its share.
 const HELD_UP_NATS: f64 = 8.0;
 
@@ -48,6 +52,28 @@ const FIRST_AROUND: [i64; 2] = [1, 2];
 
 /// ... and so far from where odometry leads from there.
 const AROUND: [i64; 2] = [1, 1];
+
+/// Why another place is compared with the tracked one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Claim {
+    /// The coarse belief objects with it.
+    Objection,
+    /// It is one of all places.
+    Review,
+    /// The same, and the robot gets no nearer where it takes itself to be.
+    HeldUp,
+}
+
+/// What comes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// The robot is not where it is tracked.
+    Won,
+    /// A place is better over the last few updates, too few to tell.
+    Pending,
+    /// No place is so much better.
+    Dismissed,
+}
 
 /// What one update had.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,18 +146,26 @@ impl Contest {
     }
 
     /// Whether one of some places explains the scans since some update so much better than the tracked one that the robot
-    /// must have been carried there, for one that gets no nearer or for any other. O(updates · beams · places).
-    pub(super) fn is_won_by(&self, model: &LocalizationModel, places: &[Maximum], is_held_up: bool) -> bool {
-        let (least_nats, most_share) = if is_held_up { (HELD_UP_NATS, 1.0) } else { (CARRIED_NATS, MOST_SHARE) };
+    /// must have been carried there. O(updates · beams · places).
+    pub(super) fn verdict(&self, model: &LocalizationModel, places: &[Maximum], claim: Claim) -> Verdict {
+        let (least_nats, most_share) = match claim {
+            Claim::Objection => (CARRIED_NATS, MOST_SHARE),
+            Claim::Review => (ANYWHERE_NATS, MOST_SHARE),
+            Claim::HeldUp => (HELD_UP_NATS, 1.0),
+        };
         let tracked: Vec<Pose> = self.heard.iter().rev().map(|heard| heard.tracked_in_map).collect();
         let own = self.costs(model, &tracked);
-        places.iter().any(|place| {
+        // Over how many updates a place is better, at the most.
+        let longest = |place: &Maximum| {
             let costs = self.costs(model, &self.tracked_back(model, place.pose_in_map));
-            own.iter()
-                .zip(costs)
-                .skip(LEAST_UPDATES - 1)
-                .any(|(own, other)| own - other >= least_nats && other <= most_share * own)
-        })
+            let is_better = |(own, other): (&f64, f64)| own - other >= least_nats && other <= most_share * own;
+            own.iter().zip(costs).rposition(is_better).map_or(0, |last| last + 1)
+        };
+        match places.iter().map(longest).max().unwrap_or(0) {
+            0 => Verdict::Dismissed,
+            updates if updates < LEAST_UPDATES => Verdict::Pending,
+            _ => Verdict::Won,
+        }
     }
 
     /// The pose at each update, the last first, of a robot that is about a place after the last one: by odometry, which
@@ -302,7 +336,7 @@ mod tests {
             (seen_from, tracked, place) = (seen_from.compose(motion), tracked.compose(motion), place.compose(motion));
         }
         let last_in_map = place.compose(motion.inverse());
-        contest.is_won_by(model, &[Maximum { pose_in_map: last_in_map, mass: 0.5 }], false)
+        contest.verdict(model, &[Maximum { pose_in_map: last_in_map, mass: 0.5 }], Claim::Objection) == Verdict::Won
     }
 
     #[test]
@@ -322,7 +356,8 @@ mod tests {
         for sensor in kinds() {
             let model = rooms(&[[3.0, 2.0], [0.5, 4.0], [10.0, 4.4], [9.6, 1.0]], &sensor);
             let there = Pose::new(8.0, 1.5, std::f64::consts::FRAC_PI_2);
-            assert!(is_carried(&model, &model, 4, there), "{}", sensor.beam.cone_deg);
+            assert!(!is_carried(&model, &model, LEAST_UPDATES - 1, there), "all from about one spot");
+            assert!(is_carried(&model, &model, LEAST_UPDATES, there), "{}", sensor.beam.cone_deg);
         }
     }
 
@@ -376,7 +411,7 @@ mod tests {
             let anywhere = contest.from_anywhere(coarse, &coarse.parameters.odometry);
             let best = anywhere.maxima(coarse, 1, 0.1)[0].pose_in_map;
             assert!(best.distance_m(here) < 0.5, "{best:?}, {here:?}");
-            assert!(contest.is_won_by(&model, &anywhere.maxima(coarse, 3, 0.01), false));
+            assert_eq!(contest.verdict(&model, &anywhere.maxima(coarse, 3, 0.01), Claim::Review), Verdict::Won);
         }
     }
 }

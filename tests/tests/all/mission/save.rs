@@ -38,7 +38,7 @@ fn reloading_at_every_step_changes_nothing() {
 /// The delivery in the department, with a turn by hand on the way.
 fn delivery(grid: Grid) -> Mission {
     let plan = include_str!("../../../../examples/delivery.rpl");
-    Mission::new(builtin("dept", grid), plan).with_scenario("(wait-time 4) (rotate-robot! 70deg)")
+    Mission::new(builtin("dept", grid), plan).with_scenario("(wait-time 4) (rotate-robot! 150deg)")
 }
 
 #[test]
