@@ -363,7 +363,7 @@ impl Beliefs {
         if !self.contest.may_be_won(model) {
             return self.review.is_not_needed();
         }
-        let anywhere = self.contest.from_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
+        let anywhere = self.contest.heard_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
         let places = elsewhere(&anywhere, coarse_model, self.mode.pose_in_map, watch);
         match self.contest.verdict(model, &places, self.review.claim(Claim::Review)) {
             Verdict::Won => watcher.take_over(anywhere),

@@ -135,7 +135,7 @@ impl Contest {
     }
 
     /// A coarse belief of a robot that knows nothing but these scans, wherever it is. Cost: so many updates of all states.
-    pub(super) fn from_anywhere(&self, coarse: &LocalizationModel, error: &OdometryError) -> Belief {
+    pub(super) fn heard_anywhere(&self, coarse: &LocalizationModel, error: &OdometryError) -> Belief {
         let mut belief = Belief::uniform(coarse);
         for heard in &self.heard {
             belief.advance(coarse, heard.motion, error);
@@ -408,7 +408,7 @@ mod tests {
                 contest.hear(motion, tracked, &[scan.into_iter().map(Some).collect()]);
             }
             assert!(contest.may_be_won(&model));
-            let anywhere = contest.from_anywhere(coarse, &coarse.parameters.odometry);
+            let anywhere = contest.heard_anywhere(coarse, &coarse.parameters.odometry);
             let best = anywhere.maxima(coarse, 1, 0.1)[0].pose_in_map;
             assert!(best.distance_m(here) < 0.5, "{best:?}, {here:?}");
             assert_eq!(contest.verdict(&model, &anywhere.maxima(coarse, 3, 0.01), Claim::Review), Verdict::Won);
