@@ -125,12 +125,12 @@ fn add_choice(figure: &mut Figure<'_>, scene: &BeliefScene, radius_m: f64, choic
     let way = std::iter::once(robot_in_map.point()).chain(choice.path_in_base.iter().map(|&point| in_map(point)));
     figure.track(TrackKind::Plan, "way to the target", vec![way.collect()]);
     // Some are seen from elsewhere the robot may be, and lie outside the building from here.
+    let bounds = figure.plan.bounds;
     let others = choice_figures::alternatives(choice, field).into_iter();
     let others = others.map(|(target_in_base, less)| (in_map(target_in_base), less));
-    let others: Vec<(Point, f64)> = others.filter(|(at, _)| figure.plan.bounds.contains(*at)).collect();
     figure.marks.extend(
         others
-            .into_iter()
+            .filter(|(at, _)| bounds.contains(*at))
             .map(|(at, less)| mark(MarkKind::Alternative, Pose::new(at.x, at.y, 0.0), 0.0, format!("−{less:.2}"))),
     );
     let target = in_map(choice.target_in_base);

@@ -133,19 +133,19 @@ impl Review {
         if self.is_held_up { Claim::HeldUp } else { otherwise }
     }
 
-    /// Whether it is due at this update.
-    fn is_due(&mut self) -> bool {
+    /// Takes in an update; whether it is due at this one.
+    fn pass_update(&mut self) -> bool {
         self.due_in_updates = self.due_in_updates.saturating_sub(1);
         self.due_in_updates == 0
     }
 
-    /// Nothing asked for it.
-    fn is_not_needed(&mut self) {
+    /// Nothing asked for it, or nothing is tracked any more.
+    fn begin_anew(&mut self) {
         *self = Self { is_held_up: self.is_held_up, ..Self::default() };
     }
 
-    /// No place has won.
-    fn was_for_nothing(&mut self) {
+    /// No place has won: the next one comes later.
+    fn put_off(&mut self) {
         self.due_in_updates = self.interval_updates;
         if !self.is_held_up {
             self.interval_updates = (2 * self.interval_updates).min(LONGEST_REVIEW_UPDATES);
@@ -349,25 +349,26 @@ impl Beliefs {
         self.review.note_held_up(is_held_up);
     }
 
-    /// Compares the tracked pose with all places, if scans of late are explained badly there, or the robot gets no nearer.
-    /// If one of them wins, the belief of them all objects.
+    /// Compares the tracked pose with all places when that is due, if scans of late are explained badly there. If one of
+    /// them wins, the belief of them all objects.
     fn review(&mut self, model: &LocalizationModel) {
         let (Some(watcher), Some(coarse_model), Some(watch)) =
             (&mut self.watcher, &model.watch, &model.parameters.watch)
         else {
             return;
         };
-        if self.is_led_by_coarse || !self.review.is_due() {
+        if self.is_led_by_coarse || !self.review.pass_update() {
             return;
         }
         if !self.contest.may_be_won(model) {
-            return self.review.is_not_needed();
+            return self.review.begin_anew();
         }
-        let anywhere = self.contest.heard_anywhere(coarse_model, &self.slip.error(&model.parameters.odometry));
+        let error = self.slip.error(&model.parameters.odometry);
+        let anywhere = self.contest.heard_anywhere(coarse_model, &error, led_threshold(model, coarse_model));
         let places = elsewhere(&anywhere, coarse_model, self.mode.pose_in_map, watch);
         match self.contest.verdict(model, &places, self.review.claim(Claim::Review)) {
             Verdict::Won => watcher.take_over(anywhere),
-            Verdict::Pending | Verdict::Dismissed => self.review.was_for_nothing(),
+            Verdict::Pending | Verdict::Dismissed => self.review.put_off(),
         }
     }
 
@@ -485,15 +486,14 @@ impl Beliefs {
             }
         }
         (self.reckoned, self.is_unsettled) = (None, true);
-        self.review.is_not_needed();
+        self.review.begin_anew();
         self.contest.forget();
         self.slip.begin_anew();
         self.is_led_by_coarse = model.sleeps() && likely_states(model, coarse, coarse_model) > FEW_STATES;
         if self.is_led_by_coarse {
             self.fine = Belief::uniform(model);
             (self.mode, self.agreed) = (coarse.mode(coarse_model), 1.0);
-            let activity = f64::min(LED_ACTIVITY, model.parameters.activity_threshold);
-            let threshold = activity * coarse_model.prior();
+            let threshold = led_threshold(model, coarse_model);
             watcher.belief_mut().into_iter().for_each(|coarse| coarse.sleep_below(threshold));
         } else {
             self.fine = Belief::resampled(model, coarse, coarse_model);
@@ -503,6 +503,11 @@ impl Beliefs {
         self.held = self.mode.mass;
         watcher.disagree();
     }
+}
+
+/// θ of a coarse belief that has to find the robot.
+fn led_threshold(model: &LocalizationModel, coarse_model: &LocalizationModel) -> f64 {
+    f64::min(LED_ACTIVITY, model.parameters.activity_threshold) * coarse_model.prior()
 }
 
 /// The places that a coarse belief names besides a pose.
@@ -585,17 +590,17 @@ mod tests {
     #[test]
     fn all_places_are_compared_when_the_robot_is_held_up_and_ever_more_seldom_where_none_wins() {
         let mut review = Review::default();
-        let updates = |review: &mut Review| 1 + (0..10_000).take_while(|_| !review.is_due()).count();
+        let updates = |review: &mut Review| 1 + (0..10_000).take_while(|_| !review.pass_update()).count();
         assert_eq!(updates(&mut review), KEPT_UPDATES);
         let intervals = [0; 6].map(|_| {
-            review.was_for_nothing();
+            review.put_off();
             updates(&mut review)
         });
         assert_eq!(intervals, [40, 80, 160, 320, 640, 640]);
         review.note_held_up(true);
         assert_eq!(updates(&mut review), 1);
         for _ in 0..3 {
-            review.was_for_nothing();
+            review.put_off();
             review.note_held_up(true);
             assert_eq!(updates(&mut review), KEPT_UPDATES, "as long as it is held up");
         }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 const LOOK_M: f64 = 2.5;
 /// Points this near to a jamb, along the wall, may be its echo in a wide cone ...
 const JAMB_M: f64 = 0.25;
-/// ... and no nearer than this share of the robot's width: what is left beside them must not look like a gap to it.
+/// ... but none farther from it than this share of the robot's width: what is left out must not look like a gap to it.
 const JAMB_SHARE: f64 = 0.5;
 /// Points this far before or behind the wall count as standing in the doorway: leaf, somebody's
 /// feet, and the error of the estimate.
