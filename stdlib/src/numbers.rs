@@ -4,6 +4,7 @@
 use crate::arguments::show;
 use crate::arguments::{NativeResult, count, pure, truth, value};
 use rpl_runtime::state::failure::Raise;
+use rpl_runtime::state::mixed::order;
 use rpl_runtime::state::quotient::quotient;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Native};
@@ -101,11 +102,23 @@ fn fold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Nu
     value(result.value())
 }
 
-/// The first argument with all others taken off it; a single one is taken off the neutral number.
-fn unfold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<Number, Raise>) -> NativeResult {
+/// Not what is left when it is taken off 0, which for 0.0 would be 0.0.
+fn negate(number: Number) -> Result<Number, Raise> {
+    Ok(match number {
+        Number::Int(int) => Number::Int(int.checked_neg().ok_or_else(|| overflow(&format!("-{int}")))?),
+        Number::Float(float) => Number::Float(-float),
+    })
+}
+
+/// The first argument with all others taken off it; a single one turned round.
+fn unfold(
+    call: &Call<'_, '_>,
+    of_one: fn(Number) -> Result<Number, Raise>,
+    step: fn(Number, Number) -> Result<Number, Raise>,
+) -> NativeResult {
     let first = number(call, 0)?;
     if count(call) == 1 {
-        return value(step(Number::Int(neutral), first)?.value());
+        return value(of_one(first)?.value());
     }
     let mut result = first;
     for at in 1..count(call) {
@@ -117,7 +130,9 @@ fn unfold(call: &Call<'_, '_>, neutral: i64, step: fn(Number, Number) -> Result<
 fn compare(left: Number, right: Number) -> Option<Ordering> {
     match (left, right) {
         (Number::Int(left), Number::Int(right)) => Some(left.cmp(&right)),
-        (left, right) => left.as_f64().partial_cmp(&right.as_f64()),
+        (Number::Float(left), Number::Float(right)) => left.partial_cmp(&right),
+        (Number::Int(left), Number::Float(right)) => order(left, right),
+        (Number::Float(left), Number::Int(right)) => order(right, left).map(Ordering::reverse),
     }
 }
 
@@ -226,14 +241,14 @@ fn lcm(call: &mut Call<'_, '_>) -> NativeResult {
 pub(super) const NATIVES: &[Native] = &[
     pure("+", "&rest numbers", "The sum; 0 of nothing.", |call| fold(call, 0, add)),
     pure("-", "number &rest numbers", "The first number less all others; a single number negated.", |call| {
-        unfold(call, 0, subtract)
+        unfold(call, negate, subtract)
     }),
     pure("*", "&rest numbers", "The product; 1 of nothing.", |call| fold(call, 1, multiply)),
     pure(
         "/",
         "number &rest numbers",
         "The first number divided by all others, an integer if that is exact; the reciprocal of a single number.",
-        |call| unfold(call, 1, divide),
+        |call| unfold(call, |number| divide(Number::Int(1), number), divide),
     ),
     pure("1+", "number", "The number plus one.", |call| value(add(number(call, 0)?, Number::Int(1))?.value())),
     pure("1-", "number", "The number less one.", |call| value(subtract(number(call, 0)?, Number::Int(1))?.value())),

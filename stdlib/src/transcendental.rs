@@ -114,6 +114,10 @@ pub(super) const NATIVES: &[Native] = &[
     pure("deg->rad", "degrees", "An angle in degrees as radians.", |call| of_one(call, |degrees| degrees * PI / 180.0)),
     pure("rad->deg", "radians", "An angle in radians as degrees.", |call| of_one(call, |radians| radians * 180.0 / PI)),
     pure("normalize-angle", "radians", "The same direction as an angle above -π and not above π.", |call| {
-        of_one(call, normalized)
+        let radians = number(call, 0)?.as_f64();
+        match radians.is_infinite() {
+            true => Err(arithmetic_error("an infinite angle has no direction")),
+            false => value(Value::Float(normalized(radians))),
+        }
     }),
 ];

@@ -12,6 +12,7 @@ pub mod limits;
 pub mod line;
 pub mod machine;
 pub(crate) mod memory;
+pub mod mixed;
 pub mod output;
 pub mod priorities;
 pub mod projected;

@@ -2,6 +2,7 @@
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
+use crate::state::mixed::order;
 use crate::state::scratch::Cursor;
 use crate::state::value::Value;
 use crate::step::exec::Proceed;
@@ -74,14 +75,19 @@ macro_rules! arithmetic {
     };
 }
 
+/// How an integer stands to a float: -1, 0, 1, or NaN if in no way.
+pub(super) fn sign(integer: i64, float: f64) -> f64 {
+    order(integer, float).map_or(f64::NAN, |order| f64::from(order as i8))
+}
+
 /// Whether an order holds between two numbers.
 macro_rules! compare {
     ($machine:ident, $left:expr, $right:expr, $name:literal, $operator:tt) => {
         match (&$left, &$right) {
             (&Value::Int(x), &Value::Int(y)) => x $operator y,
             (&Value::Float(x), &Value::Float(y)) => x $operator y,
-            (&Value::Int(x), &Value::Float(y)) => (x as f64) $operator y,
-            (&Value::Float(x), &Value::Int(y)) => x $operator y as f64,
+            (&Value::Int(x), &Value::Float(y)) => $crate::step::exec::arithmetic::sign(x, y) $operator 0.0,
+            (&Value::Float(x), &Value::Int(y)) => 0.0 $operator $crate::step::exec::arithmetic::sign(y, x),
             (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
         }
     };
