@@ -57,6 +57,7 @@ impl<O: Outside> System<O> {
                             | Waiting::Watch(_)
                             | Waiting::Time
                             | Waiting::Signal(_)
+                            | Waiting::Hooks(_)
                             | Waiting::Answer
                     )
                 );

@@ -2,6 +2,7 @@
 
 use crate::robot::Outside;
 use crate::run::system::{Outcome, Progress, System};
+use crate::state::limits::Spent;
 use crate::state::machine::Machine;
 use crate::state::task::Wake;
 use crate::state::timers::Alarm;
@@ -52,7 +53,7 @@ impl<O: Outside> System<O> {
     fn enter_instant(&mut self, time_us: u64) {
         // Budgets are counted in one point of time, however often it is gone to.
         if self.machine.now_us < time_us {
-            self.machine.instant = self.machine.instant.wrapping_add(1);
+            self.machine.spent = Spent::default();
             self.machine.now_us = time_us;
         }
         if self.outside.steps_at(self.stepped_us, time_us) {

@@ -54,6 +54,9 @@ impl Machine {
         }
         self.check_parent(index, task)?;
         self.check_children(index, task)?;
+        let suspends = task.scopes.iter().filter(|scope| matches!(scope.kind, ScopeKind::Suspended(_))).count();
+        let counted = task.rare.as_ref().map_or(0, |rare| rare.suspends as usize);
+        ensure(suspends == counted, || format!("suspends {suspends} tasks, and {counted} are counted"))?;
         self.check_waiting(index, task)
     }
 
@@ -135,6 +138,10 @@ impl Machine {
             }
             Waiting::Children | Waiting::Spawned => {
                 ensure(task.first_child != NONE, || "waits for children and has none".into())
+            }
+            Waiting::Hooks(hooks) => {
+                let runs = self.tasks.get_alive(hooks).is_some_and(Task::named_as_hook);
+                ensure(runs, || "waits for hooks that have ended".into())
             }
             Waiting::Time | Waiting::Signal(_) | Waiting::Answer => Ok(()),
         }

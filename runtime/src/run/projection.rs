@@ -11,6 +11,7 @@ use crate::run::session::Answer;
 use crate::run::system::{SLICE_STEPS, System, Turn};
 use crate::state::failure::{CLASSES, Raise};
 use crate::state::figures::{Figures, Foresight};
+use crate::state::limits::Spent;
 use crate::state::machine::Machine;
 use crate::state::projected::{Answered, Grain, ProjectedRun, Question};
 use crate::state::slab::NONE;
@@ -191,6 +192,7 @@ impl<O: Outside> System<O> {
         machine.trace.events = Vec::new();
         machine.output = Vec::new();
         machine.limits.steps = STEPS_IN_AN_INSTANT;
+        machine.spent = Spent::default();
         machine.projected = Some(Box::default());
         System {
             program: self.program.clone(),

@@ -6,6 +6,7 @@
 use crate::robot::Outside;
 use crate::run::library::{Library, Rejected, has_error};
 use crate::run::system::System;
+use crate::state::limits::Spent;
 use crate::state::task::{Leaving, ScopeKind, State, Waiting};
 use crate::state::value::Value;
 use rpl_lang::code::Program;
@@ -101,6 +102,8 @@ impl<O: Outside> System<O> {
     pub fn submit(&mut self, name: &str, text: &str, loader: &mut dyn Loader) -> Result<Submitted, Rejected> {
         assert!(self.is_waiting_for_form(), "a form is handed in only when the one before has ended");
         let (form, submitted) = self.extend(name, text, loader)?;
+        // Time stands still while somebody types: each form has all steps of an instant.
+        self.machine.spent = Spent::default();
         self.set_session_variable("%outcome", Value::Nil);
         self.set_session_variable("%form", Value::Function(form));
         if let Some(Value::Fluent(has_form)) = self.session_variable("%form?") {

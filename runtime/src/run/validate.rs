@@ -48,7 +48,7 @@ impl Machine {
         ensure(self.globals.len() == bounds.program.globals.len(), "there are not as many globals as in the program")?;
         ensure(self.current == NONE, "a task runs between two steps")?;
         ensure(self.now_us <= u64::MAX / 4, "the clock has run out")?;
-        ensure(self.instant <= MAX_COUNT && self.next_identity <= u64::MAX / 2, "a counter has run out")?;
+        ensure(self.next_identity <= u64::MAX / 2, "a counter has run out")?;
         let has_main = self.main != SCRATCH_TASK && self.tasks.get(self.main).is_some();
         ensure(has_main && self.tasks.get(SCRATCH_TASK).is_some(), "there is no main task")?;
         for &value in self.globals.iter().chain(&self.constants) {
@@ -264,6 +264,7 @@ impl Machine {
         rare.swap_pending.as_ref().map_or(Ok(()), |swap| self.validate_swap(bounds, swap))?;
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
+        rare.suspended_by.iter().chain(&rare.hooks_before).try_for_each(|&by| self.validate_reference(by))?;
         let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
         ensure(valves.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
     }
@@ -273,7 +274,7 @@ impl Machine {
             Waiting::Fluent { fluent, .. } => self.fluent(fluent),
             Waiting::Watch(watch) => ensure(self.watches.get(watch).is_some(), "a watch is not in its table"),
             Waiting::Valve(valve) => ensure((valve as usize) < self.valves.len(), "there is no such valve"),
-            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
+            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) | Waiting::Hooks(other) => {
                 ensure(self.tasks.get(other).is_some(), "a task waits for one that is not there")
             }
             Waiting::Signal(behaviour) => {

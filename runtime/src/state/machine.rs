@@ -3,7 +3,7 @@
 use crate::state::activation::Activation;
 use crate::state::fluent::{Fluent, Watch};
 use crate::state::heap::Heap;
-use crate::state::limits::Limits;
+use crate::state::limits::{Limits, Spent};
 use crate::state::output::Output;
 use crate::state::priorities::Priorities;
 use crate::state::projected::ProjectedRun;
@@ -49,8 +49,8 @@ pub struct Machine {
     pub constants: Vec<Value>,
     /// Virtual time.
     pub now_us: u64,
-    /// Counts the instants.
-    pub instant: u32,
+    /// What is spent of the steps of this instant.
+    pub spent: Spent,
     /// The next identity of a block.
     pub(crate) next_identity: u64,
     /// The task that runs; [`NONE`] between two steps.
@@ -107,7 +107,7 @@ impl Machine {
             globals: Vec::new(),
             constants: Vec::new(),
             now_us: 0,
-            instant: 1,
+            spent: Spent::default(),
             next_identity: 0,
             current: NONE,
             waits_for_rest: 0,

@@ -266,6 +266,22 @@ impl Priorities {
         }
     }
 
+    /// Puts a task into the line of another priority, behind those that became ready before it. Cost: those behind it.
+    pub fn rejoin(&mut self, tasks: &mut Tasks, task: u32, priority: u32) {
+        let ready = tasks[task].wait_number;
+        let is_later = |other: u32| tasks[other].wait_number.wrapping_sub(ready) as i32 > 0;
+        let line = &mut self.all[priority].line;
+        let mut before = line.last;
+        while before != NONE && is_later(before) {
+            before = tasks[before].previous;
+            self.work.0 += 1;
+        }
+        if before == line.last {
+            return self.append(tasks, Line { first: task, last: task }, priority);
+        }
+        line.insert_behind(tasks, task, before);
+    }
+
     /// Notes that a priority, which had none, has ready tasks.
     #[inline]
     fn note_ready(&mut self, priority: u32) {

@@ -73,6 +73,8 @@ pub struct Scratch {
     pub(crate) work: u64,
     /// Evaluations of networks and macros that are under way, one inside the other.
     pub(crate) evaluations: u32,
+    /// How often the outermost of them, and those inside it, spent their steps.
+    pub(crate) overdrawn: u8,
     /// Valves about which something has changed.
     pub(crate) restless: BTreeSet<u32>,
     /// They are being served.
@@ -83,8 +85,8 @@ pub struct Scratch {
     pub(crate) valve_looks: u64,
     /// Steps that networks took on behalf of the running task.
     pub(crate) burned: u32,
-    /// The running task goes to the end of its line.
-    pub(crate) gives_way: bool,
+    /// The running task goes to the end of its line, and goes on there with this value.
+    pub(crate) gives_way: Option<Value>,
     /// Somebody steps through the run, and how far.
     pub(crate) stepping: Stepping,
 }

@@ -170,6 +170,16 @@ impl Line {
         self.first = task;
     }
 
+    /// Adds behind a task in it that is not the last, or at the front behind [`NONE`].
+    pub fn insert_behind(&mut self, tasks: &mut Tasks, task: u32, before: u32) {
+        if before == NONE {
+            return self.push_front(tasks, task);
+        }
+        let after = std::mem::replace(&mut tasks[before].next, task);
+        (tasks[task].previous, tasks[task].next) = (before, after);
+        tasks[after].previous = task;
+    }
+
     /// Takes the first task out.
     #[inline]
     pub fn pop_front(&mut self, tasks: &mut Tasks) -> Option<u32> {

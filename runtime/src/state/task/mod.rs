@@ -18,7 +18,7 @@ use crate::state::line::Line;
 use crate::state::registers::Registers;
 use crate::state::slab::NONE;
 use crate::state::stack::Stack;
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use rpl_lang::code::Reg;
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,10 @@ pub struct Rare {
     pub suspensions: u32,
     /// Suspensions of its own that only the scope or valve which made them takes back.
     pub holds: u32,
+    /// Tasks whose forms suspend it, once for each form.
+    pub suspended_by: Vec<TaskRef>,
+    /// How many of its forms suspend a task.
+    pub suspends: u32,
     /// How many stand in the next two lines.
     pub in_lines: u32,
     /// Tasks that wait until nothing below it runs any more.
@@ -99,6 +103,8 @@ pub struct Rare {
     pub swap_pending: Option<Box<Swap>>,
     /// A plan call of it keeps the failure of a spawned child until nothing is in its way.
     pub failure_pending: bool,
+    /// Hooks of the interruption it is in, which its clean-ups wait for.
+    pub hooks_before: Option<TaskRef>,
     /// A departure that waits for children or for the next run.
     pub leaving: Option<Leaving>,
     /// It waits for a time worked.
@@ -131,8 +137,6 @@ pub struct Task {
     pub exposed: bool,
     /// What its name is that of.
     pub naming: Naming,
-    /// How often it, or what it started, ran away or was deadlocked in the instant of its budget.
-    pub strikes: u8,
     /// How many numbers its priority has, trailing zeros included.
     pub priority_depth: u16,
     /// Its priority, by number in the table of priorities.
@@ -159,13 +163,9 @@ pub struct Task {
     pub next: u32,
     /// The line it stands in.
     pub previous: u32,
-    /// Which wait of all it is, or was last: a late timer is recognised by it, and who began to wait
-    /// first.
+    /// Which wait of all it is, or, once it is ready, which end of a wait: a late timer is recognised by it, and who
+    /// began to wait, or became ready, first.
     pub wait_number: u32,
-    /// Steps in the instant `budget_instant`.
-    pub steps: u32,
-    /// The instant in which `steps` were counted.
-    pub budget_instant: u32,
 }
 
 // A blocked task is to cost 150 bytes: this, its generation, and a register.
@@ -186,7 +186,6 @@ impl Task {
             state: State::Created,
             exposed: false,
             naming: Naming::Whole,
-            strikes: 0,
             priority_depth: 0,
             priority,
             parent: NONE,
@@ -201,8 +200,6 @@ impl Task {
             next: NONE,
             previous: NONE,
             wait_number: 0,
-            steps: 0,
-            budget_instant: 0,
         }
     }
 

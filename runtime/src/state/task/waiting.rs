@@ -31,6 +31,8 @@ pub enum Waiting {
     Rest(u32),
     /// Another task, to which it has given a plan, to begin that.
     Swap(u32),
+    /// Hooks of the interruption it is in to have run, before its clean-up.
+    Hooks(u32),
     /// The signal of a behaviour.
     Signal(u16),
     /// The answer to a question that is thought about beside the run.

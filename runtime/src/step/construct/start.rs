@@ -5,7 +5,7 @@ use crate::state::failure::Raise;
 use crate::state::machine::Machine;
 use crate::state::memory;
 use crate::state::slab::NONE;
-use crate::state::task::{Children, Held, Naming, ScopeKind, State, Task};
+use crate::state::task::{Children, Held, Leaving, Naming, ScopeKind, State, Task};
 use crate::state::value::Value;
 use crate::step::construct::outcome::shortfall;
 use crate::step::native::Surroundings;
@@ -45,15 +45,11 @@ impl Machine {
         let registers = self.tasks.registers.make(count, argument.into_iter().chain(captured));
         let mut task = Task::new(child.code, registers, code.name, priority.0);
         task.priority_depth = priority.1;
-        let maker = &self.tasks[self.current];
-        if maker.budget_instant == self.instant {
-            task.budget_instant = self.instant;
-            task.strikes = maker.strikes;
-        }
         task
     }
 
-    /// Uses the record of a tag that was not reached yet, or makes a new one and rebinds the tag.
+    /// Uses the record of a tag that was not reached yet, or makes a new one and rebinds the tag. A tag that was
+    /// evaporated before it is reached stays bound to the task that is dead; what is placed for it leaves at once.
     fn place_task(&mut self, child: &Child, mut task: Task, base: usize) -> u32 {
         if child.tag == NO_REG {
             return self.tasks.insert(task);
@@ -65,13 +61,25 @@ impl Machine {
             other => other,
         };
         if let Value::Task(known) = known
-            && let Some(index) = self.tasks.find_alive(known)
-            && self.tasks[index].state() == State::Created
+            && let Some(index) = self.tasks.find(known)
             && self.tasks[index].parent == NONE
         {
-            (task.exposed, task.rare) = (true, self.tasks[index].rare.take());
-            self.tasks[index] = task;
-            return index;
+            let awaited = &mut self.tasks[index];
+            match awaited.state() {
+                State::Created => {
+                    (task.exposed, task.rare) = (true, awaited.rare.take());
+                    *awaited = task;
+                    return index;
+                }
+                // Reached again, the tag means a new task.
+                State::Evaporated if awaited.naming != Naming::Tag => {
+                    awaited.naming = Naming::Tag;
+                    task.leave(Leaving::Evaporate);
+                    return self.tasks.insert(task);
+                }
+                State::Evaporated | State::Ready | State::Running | State::Blocked => {}
+                State::Succeeded | State::Failed => {}
+            }
         }
         let index = self.tasks.insert(task);
         let value = self.expose(index);
@@ -166,7 +174,7 @@ impl Machine {
             self.name_child(index, child, construct, position, occurrence);
             self.adopt(parent, scope, index);
             match constraints.get(position) {
-                Some(&constraints @ 1..) => {
+                Some(&constraints @ 1..) if !self.tasks[index].is_leaving() => {
                     held.push(Held { position: position as u16, constraints, task: self.tasks.reference(index) });
                 }
                 _ => self.start_task(around, index),
@@ -208,9 +216,13 @@ impl Machine {
     }
 
     pub(crate) fn start_task(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        self.number_wait(task);
         self.make_ready(task);
-        self.trace_task_begin(task);
-        self.update_task_fluents(around, task);
+        // What was evaporated before it was reached does not begin.
+        if !self.tasks[task].is_leaving() {
+            self.trace_task_begin(task);
+            self.update_task_fluents(around, task);
+        }
     }
 
     fn name_child(&mut self, task: u32, child: &Child, construct: &Construct, position: usize, occurrence: u32) {

@@ -48,9 +48,8 @@ impl Machine {
         if self.current == SCRATCH_TASK {
             self.scratch.burned = self.scratch.burned.saturating_add(self.budget());
         }
-        let task = self.current;
-        let strikes = self.tasks[task].strikes.saturating_add(1);
-        self.strike(task, strikes);
+        let times = if self.current == SCRATCH_TASK { &mut self.scratch.overdrawn } else { &mut self.spent.times };
+        *times = times.saturating_add(1);
         Raise::new(
             "runaway",
             format!(
@@ -58,23 +57,5 @@ impl Machine {
                 self.budget()
             ),
         )
-    }
-
-    /// Notes that a task has run out of a limit in this instant.
-    pub(crate) fn strike(&mut self, task: u32, strikes: u8) {
-        let instant = self.instant;
-        let record = &mut self.tasks[task];
-        if record.budget_instant != instant {
-            record.budget_instant = instant;
-            record.steps = 0;
-            record.strikes = 0;
-        }
-        record.strikes = record.strikes.max(strikes);
-    }
-
-    /// How often a task has run out of a limit in this instant.
-    pub(crate) fn strikes_now(&self, task: u32) -> u8 {
-        let record = &self.tasks[task];
-        if record.budget_instant == self.instant { record.strikes } else { 0 }
     }
 }

@@ -113,6 +113,9 @@ impl Machine {
         self.scratch.evaluations += 1;
         let outer_task = std::mem::replace(&mut self.current, SCRATCH_TASK);
         let is_inner = self.scratch.evaluations > 1;
+        if !is_inner {
+            self.scratch.overdrawn = 0;
+        }
         let outer_scopes = is_inner.then(|| std::mem::take(&mut self.tasks[SCRATCH_TASK].scopes));
         let outer_top = self.scratch.top;
         let outer_switch = self.scratch.switch;

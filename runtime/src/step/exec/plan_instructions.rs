@@ -336,11 +336,10 @@ impl Machine {
             return Err(self.wrong_type("what is suspended", Kind::Task.noun(), value));
         };
         self.push_scope(ScopeKind::Suspended(other));
-        if let Some(other) = self.tasks.find_alive(other) {
-            self.hold_for(around, other, self.current);
-            if self.wait_for_rest(other) {
-                return Ok(self.block_for(NO_REG));
-            }
+        if let Some(other) = self.hold_for_scope(around, other)
+            && self.wait_for_rest(other)
+        {
+            return Ok(self.block_for(NO_REG));
         }
         Ok(Proceed::Switch)
     }
@@ -411,11 +410,7 @@ impl Machine {
         let task = self.current;
         match self.tasks[task].scopes.pop().map(|scope| scope.kind) {
             Some(ScopeKind::Valve(valve)) => self.release_valve(around, task, valve),
-            Some(ScopeKind::Suspended(other)) => {
-                if let Some(other) = self.tasks.find_alive(other) {
-                    self.unhold(around, other);
-                }
-            }
+            Some(ScopeKind::Suspended(other)) => self.unhold_for_scope(around, other, task),
             Some(ScopeKind::Watch(watch)) => self.end_watch(watch),
             Some(ScopeKind::Fence) => self.protection_ended(around, task),
             _ => {}

@@ -41,7 +41,10 @@ impl Machine {
         loop {
             match self.unwind_step(around, task, true) {
                 Unwound::Land(landing) => self.land_at(place, landing),
-                Unwound::Swapped => self.enter_plan_anew(around.program, place),
+                Unwound::Swapped { by } => {
+                    self.enter_plan_anew(around.program, place);
+                    self.tell_swapped(by, task);
+                }
                 Unwound::Waiting | Unwound::Dead => return false,
             }
             if !self.take_up_pending(around, task) {

@@ -1,6 +1,7 @@
 //! A turn of a ready task: taken up, run, and laid aside.
 
 use crate::state::failure::Raise;
+use crate::state::limits::Spent;
 use crate::state::machine::Machine;
 use crate::state::projected::{Answered, Asked};
 use crate::state::registers::Registers;
@@ -63,14 +64,10 @@ impl Machine {
         self.scratch.burned = 0;
         let record = &mut self.tasks[task];
         record.enter(State::Running);
-        if record.budget_instant != self.instant {
-            record.budget_instant = self.instant;
-            record.steps = 0;
-            record.strikes = 0;
-        }
-        record.steps = record.steps.saturating_add(1);
         // What follows changes neither.
-        let (steps, registers) = (self.limits.steps.saturating_sub(record.steps), record.registers);
+        let registers = record.registers;
+        self.spent.steps = self.spent.steps.saturating_add(Spent::A_TURN);
+        let steps = self.limits.steps.saturating_sub(self.spent.steps);
         let mut place = Cursor::new(record.frame, steps, around.slice_steps);
         let has_frames = !record.frames.is_empty();
         if record.rare.is_some() {
@@ -95,6 +92,7 @@ impl Machine {
     fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.
         self.steps += u64::from(steps.checked_sub(place.steps()).unwrap_or(self.limits.steps));
+        self.spent.steps = self.limits.steps.saturating_sub(place.steps());
         if let Exit::Ask(asked, register) = exit {
             self.scratch.asked = Some((place, register));
             return Ran::Asked(asked);
@@ -189,11 +187,10 @@ impl Machine {
     #[inline]
     fn pause(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor) -> bool {
         let Some(record) = self.tasks.get_mut(task) else { return false };
-        if record.state() != State::Running || record.rare.is_some() || self.scratch.gives_way {
+        if record.state() != State::Running || record.rare.is_some() || self.scratch.gives_way.is_some() {
             return false;
         }
         record.enter(State::Blocked);
-        record.steps = self.limits.steps.saturating_sub(place.steps());
         let registers = usize::from(around.program.codes[place.frame.code as usize].registers);
         self.store(task, place.frame, registers);
         self.trace_blocked(around.program, task);
@@ -226,9 +223,6 @@ impl Machine {
     fn after_exit(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit) -> Ran {
         let mut ran = Ran::Task;
         let alive = self.tasks.get(task).is_some_and(|record| !record.state().is_dead());
-        if alive {
-            self.tasks[task].steps = self.limits.steps.saturating_sub(place.steps());
-        }
         match exit {
             Exit::Returned(value) => self.finish(around, task, value),
             Exit::Dead => {}
@@ -240,22 +234,21 @@ impl Machine {
                     Exit::Switched => self.requeue_running(task),
                     Exit::Paused => {
                         // Going on is no step: how often a task was looked at makes no difference.
-                        let record = &mut self.tasks[task];
-                        record.steps = record.steps.saturating_sub(1);
+                        self.spent.steps = self.spent.steps.saturating_sub(Spent::A_TURN);
                         self.steps -= 1;
                         self.set_aside(task);
                         ran = Ran::Slice;
                     }
                     _ => {
-                        let gives_way = std::mem::take(&mut self.scratch.gives_way);
+                        let gives_way = self.scratch.gives_way.take();
                         if self.tasks[task].state() == State::Running {
                             self.set_state(task, State::Blocked);
-                            if !gives_way {
+                            if gives_way.is_none() {
                                 self.trace_blocked(around.program, task);
                             }
                         }
-                        if gives_way {
-                            self.tasks[task].set_wake(Wake::Value(Value::Nil));
+                        if let Some(value) = gives_way {
+                            self.tasks[task].set_wake(Wake::Value(value));
                             self.make_ready(task);
                         }
                     }

@@ -196,7 +196,7 @@ fn wait_time(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let current = call.machine.current;
     call.machine.tasks[current].wait(Waiting::Time);
     if seconds == 0.0 {
-        call.machine.give_way(current);
+        call.machine.give_way(Value::Nil);
     } else if is_active {
         call.machine.wait_active(current, due_us);
     } else {

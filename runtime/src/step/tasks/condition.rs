@@ -39,6 +39,7 @@ impl Machine {
             Waiting::Swap(other) => format!("the new plan of {}", self.path(other)),
             Waiting::Rest(other) => format!("the clean-ups of {}", self.path(other)),
             Waiting::Signal(_) => "signal".into(),
+            Waiting::Hooks(_) => "hooks of its interruption".into(),
             Waiting::Answer => "a projection".into(),
         }
     }
@@ -110,6 +111,7 @@ impl Machine {
             | Waiting::Rest(_)
             | Waiting::Swap(_)
             | Waiting::Signal(_)
+            | Waiting::Hooks(_)
             | Waiting::Answer => return Vec::new(),
         };
         self.readings_of(program, fluent, 0, &mut Vec::new())

@@ -65,10 +65,15 @@ impl Machine {
             }
         }
         let mut parts = Vec::new();
-        let mut at = came_from.get(&task).copied().unwrap_or(NONE);
+        let (mut at, mut next) = (came_from.get(&task).copied().unwrap_or(NONE), task);
         while at != NONE {
-            parts.push(format!("{} waits for {}", self.path(at), self.describe(program, self.tasks[at].waiting())));
-            at = came_from[&at];
+            let record = &self.tasks[at];
+            parts.push(if record.is_held() && self.suspending(at).contains(&next) {
+                format!("{} is suspended by {}", self.path(at), self.path(next))
+            } else {
+                format!("{} waits for {}", self.path(at), self.describe(program, record.waiting()))
+            });
+            (at, next) = (came_from[&at], at);
         }
         parts.push(format!("{} waits for {}", self.path(task), self.describe(program, Some(what))));
         parts.reverse();
@@ -78,10 +83,38 @@ impl Machine {
     /// The tasks without whose going on this one cannot go on.
     fn must_happen_first(&self, task: u32) -> Vec<u32> {
         let record = &self.tasks[task];
-        let Some(waiting) = record.waiting() else { return Vec::new() };
+        let mut first = if record.is_held() { self.suspending(task) } else { Vec::new() };
+        first.extend(record.waiting().into_iter().flat_map(|waiting| self.awaited(task, waiting)));
+        first
+    }
+
+    /// The tasks that only by going on let one that is suspended go on: those that have a valve which was taken away
+    /// from it or from around it, and those whose forms suspend it.
+    fn suspending(&self, task: u32) -> Vec<u32> {
+        let mut found = Vec::new();
+        let mut reaches = Some(task);
+        while let Some(at) = reaches.filter(|&at| self.tasks[at].stop() > 0) {
+            let record = &self.tasks[at];
+            let me = self.tasks.reference(at);
+            for &valve in record.rare.iter().flat_map(|rare| &rare.marked) {
+                let links = self.valves[valve as usize].links.iter();
+                let above = links.skip_while(|link| !(link.is_mark() && link.task == me));
+                found.extend(above.filter(|link| link.is_hold()).filter_map(|hold| self.tasks.find_alive(hold.task)));
+            }
+            found.extend(
+                record.rare.iter().flat_map(|rare| &rare.suspended_by).filter_map(|&by| self.tasks.find_alive(by)),
+            );
+            reaches = self.suspends_with_it(at);
+        }
+        found
+    }
+
+    /// The tasks without whose going on a wait does not end.
+    fn awaited(&self, task: u32, waiting: Waiting) -> Vec<u32> {
+        let record = &self.tasks[task];
         match waiting {
             Waiting::Valve(valve) => self.holder_of(valve).into_iter().collect(),
-            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) => {
+            Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) | Waiting::Hooks(other) => {
                 self.tasks.get_alive(other).map(|_| other).into_iter().collect()
             }
             Waiting::Spawned => self.children(task),
@@ -126,6 +159,7 @@ impl Machine {
                 | Waiting::Rest(_)
                 | Waiting::Swap(_)
                 | Waiting::Signal(_)
+                | Waiting::Hooks(_)
                 | Waiting::Answer => false,
             };
             found.extend(is_awaited.then_some(record.parent));
@@ -148,9 +182,14 @@ impl Machine {
         }
     }
 
-    /// At most how many tasks wait for this one.
+    /// At most how many tasks wait for this one. Those that it suspends are not counted, and not looked for: the
+    /// search goes on from the other end.
     fn crowd_behind(&self, task: u32) -> usize {
         let Some(rare) = &self.tasks[task].rare else { return 1 };
+        let is_below = |valve: u32| self.valves[valve as usize].interrupted().next().is_some();
+        if rare.suspends > 0 || rare.held.iter().any(|&valve| is_below(valve)) {
+            return usize::MAX / 4;
+        }
         let in_lines = rare.held.iter().map(|&valve| self.valves[valve as usize].waiters.len());
         1 + rare.in_lines as usize + in_lines.sum::<usize>()
     }
@@ -165,8 +204,7 @@ impl Machine {
         if let Value::Failure(index) = failure {
             self.heap.failures[index].is_runaway = true;
         }
-        let strikes = self.strikes_now(failing).saturating_add(1);
-        self.strike(failing, strikes);
+        self.spent.times = self.spent.times.saturating_add(1);
         self.depart(around, failing, Leaving::Fail(failure));
     }
 

@@ -55,9 +55,7 @@ impl Machine {
 
     #[inline]
     fn die_now(&mut self, around: &mut Surroundings<'_>, task: u32, state: State, result: Value) {
-        let instant = self.instant;
         let record = &mut self.tasks[task];
-        let strikes = if record.budget_instant == instant { record.strikes } else { 0 };
         let (parent, scope) = (record.parent, record.parent_scope);
         let (has_rare, was_protected) = (record.rare.is_some(), record.is_protected());
         let (is_tag, is_hook) = (record.naming == Naming::Tag, record.named_as_hook());
@@ -89,13 +87,11 @@ impl Machine {
         if is_tag {
             self.note_finished(task);
         }
-        if parent != NONE && strikes > 0 {
-            self.strike(parent, strikes);
-        }
         if parent != NONE && !is_hook {
             self.child_ended(around, parent, scope, task);
         } else if parent != NONE {
             self.disown(task);
+            self.begin_clean_ups_below(around, parent, task);
             self.unwind(around, parent);
         }
     }

@@ -99,6 +99,7 @@ impl Machine {
         }
         self.tasks[task].set_wake(Wake::Nothing);
         self.tasks[task].leave(leaving);
+        self.note_hooks_before(around, task);
         self.unwind(around, task);
     }
 

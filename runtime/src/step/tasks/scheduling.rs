@@ -4,6 +4,7 @@ use crate::state::line::Line;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::task::State;
+use crate::state::value::Value;
 
 impl Machine {
     /// The priority a task runs at: its own, or that of a requester whose way it blocks.
@@ -111,9 +112,9 @@ impl Machine {
         }
     }
 
-    /// Lets a running task go to the end of the line of its priority: its wait is over already.
-    pub(crate) fn give_way(&mut self, task: u32) {
-        self.tasks[task].end_wait();
-        self.scratch.gives_way = true;
+    /// Lets the running task go to the end of the line of its priority, and go on with a value: its wait is over already.
+    pub(crate) fn give_way(&mut self, value: Value) {
+        self.tasks[self.current].end_wait();
+        self.scratch.gives_way = Some(value);
     }
 }

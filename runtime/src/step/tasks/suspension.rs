@@ -4,7 +4,7 @@ use crate::state::line::Line;
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
 use crate::state::task::{Rare, Waiting, Wake};
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
 
 impl Machine {
@@ -26,13 +26,33 @@ impl Machine {
 
     /// Suspends a task and what is below it for a valve.
     pub(crate) fn hold(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        self.hold_for(around, task, NONE);
+        self.tasks[task].rare().holds += 1;
+        self.add_stop(around, task, NONE);
     }
 
-    /// Suspends a task and what is below it for a scope of the task `by`, or for none.
-    pub(crate) fn hold_for(&mut self, around: &mut Surroundings<'_>, task: u32, by: u32) {
-        self.tasks[task].rare().holds += 1;
+    /// Suspends a task and what is below it for a scope of the running task; gives the task, if it is alive.
+    pub(crate) fn hold_for_scope(&mut self, around: &mut Surroundings<'_>, task: TaskRef) -> Option<u32> {
+        let by = self.current;
+        let reference = self.tasks.reference(by);
+        self.tasks[by].rare().suspends += 1;
+        let task = self.tasks.find_alive(task)?;
+        let rare = self.tasks[task].rare();
+        rare.suspended_by.push(reference);
+        rare.holds += 1;
         self.add_stop(around, task, by);
+        Some(task)
+    }
+
+    /// Ends what [`Machine::hold_for_scope`] began.
+    pub(crate) fn unhold_for_scope(&mut self, around: &mut Surroundings<'_>, task: TaskRef, by: u32) {
+        let reference = self.tasks.reference(by);
+        self.tasks[by].rare().suspends -= 1;
+        let Some(task) = self.tasks.find_alive(task) else { return };
+        let suspended_by = &mut self.tasks[task].rare().suspended_by;
+        if let Some(at) = suspended_by.iter().rposition(|&known| known == reference) {
+            suspended_by.swap_remove(at);
+        }
+        self.unhold(around, task);
     }
 
     /// Ends what [`Machine::hold`] began.
@@ -54,6 +74,14 @@ impl Machine {
             !(child.named_as_hook() || cleans_up && record.is_within_clean_up(child.parent_scope))
         });
         children
+    }
+
+    /// The task around one whose suspensions reach it; none if it belongs to a clean-up of that, or runs its hooks.
+    pub(crate) fn suspends_with_it(&self, task: u32) -> Option<u32> {
+        let record = &self.tasks[task];
+        let around = self.tasks.get(record.parent)?;
+        let is_reached = !record.named_as_hook() && !around.is_within_clean_up(record.parent_scope);
+        is_reached.then_some(record.parent)
     }
 
     fn add_stop(&mut self, around: &mut Surroundings<'_>, root: u32, by: u32) {
@@ -84,7 +112,8 @@ impl Machine {
         while let Some(task) = waiting.pop() {
             let was_queued = self.is_queued(task);
             self.change_line(task, |machine| machine.tasks[task].rare().stop -= 1);
-            if !was_queued {
+            if !was_queued && self.is_queued(task) {
+                self.number_wait(task);
                 self.queue(task, false);
             }
             self.turn_clocks(task);

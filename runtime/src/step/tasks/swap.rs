@@ -52,7 +52,11 @@ impl Machine {
         }
         match self.tasks.find_alive(task) {
             None => Ok(Reply::Value(Value::Nil)),
-            Some(_) if !self.tasks[index].is_leaving() => Ok(Reply::Value(Value::True)),
+            // Among equals the task begins its plan before who gave it goes on.
+            Some(_) if !self.tasks[index].is_leaving() => {
+                self.give_way(Value::True);
+                Ok(Reply::Wait)
+            }
             Some(_) => {
                 self.wait_for_plan(around, index, false)?;
                 Ok(Reply::Wait)
@@ -308,14 +312,18 @@ impl Machine {
             machine.end_activations_of(around, task);
             machine.give_back_valves(around, task, &swap.kept);
             machine.put_at_start(task, swap.code);
-            let by = swap.by.and_then(|by| machine.tasks.find_alive(by));
-            if let Some(by) = by.filter(|&by| machine.tasks[by].waiting() == Some(Waiting::Swap(task))) {
-                machine.wake(by, Wake::Value(Value::True));
-            }
         });
         // Whoever has become ready meanwhile and is more important goes first.
         self.scratch.switch = true;
-        Unwound::Swapped
+        Unwound::Swapped { by: swap.by }
+    }
+
+    /// Lets who gave a task its plan go on. Among equals the task comes first, which is ready by now.
+    pub(crate) fn tell_swapped(&mut self, by: Option<TaskRef>, task: u32) {
+        let by = by.and_then(|by| self.tasks.find_alive(by));
+        if let Some(by) = by.filter(|&by| self.tasks[by].waiting() == Some(Waiting::Swap(task))) {
+            self.wake(by, Wake::Value(Value::True));
+        }
     }
 
     /// A task goes on at the first instruction of a code, and knows no other.

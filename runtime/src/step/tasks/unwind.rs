@@ -3,11 +3,11 @@
 //! A departure pops scopes, innermost first. It pauses while children die or a clean-up runs, and
 //! its outcome is fixed when it starts: what happens meanwhile is attached to it.
 
-use crate::state::machine::Machine;
+use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Departure;
 use crate::state::slab::NONE;
 use crate::state::task::{Decision, Leaving, Raises, Scope, ScopeKind, State, Then, Waiting};
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use crate::step::native::Surroundings;
 use rpl_lang::code::{Program, Reg};
 
@@ -32,7 +32,10 @@ pub(crate) enum Unwound {
     /// The task is dead.
     Dead,
     /// It is in another plan, at whose first instruction it goes on.
-    Swapped,
+    Swapped {
+        /// The task that gave it the plan, if one did.
+        by: Option<TaskRef>,
+    },
 }
 
 enum Popped {
@@ -52,10 +55,17 @@ impl Machine {
             return;
         }
         self.tasks[task].end_wait();
+        self.number_wait(task);
         match self.unwind_step(around, task, false) {
             Unwound::Land(_) => self.make_ready(task),
-            Unwound::Swapped if self.take_up_pending(around, task) => self.unwind(around, task),
-            Unwound::Swapped => self.make_ready(task),
+            Unwound::Swapped { by } => {
+                if self.take_up_pending(around, task) {
+                    self.unwind(around, task);
+                } else {
+                    self.make_ready(task);
+                }
+                self.tell_swapped(by, task);
+            }
             Unwound::Waiting | Unwound::Dead => {}
         }
     }
@@ -79,11 +89,7 @@ impl Machine {
                 let hooks = self.children(task);
                 self.evaporate_all(around, &hooks);
                 if self.tasks[task].first_child != NONE {
-                    self.tasks[task].wait(Waiting::Children);
-                    if self.tasks[task].state() == State::Running {
-                        self.set_state(task, State::Blocked);
-                    }
-                    return Unwound::Waiting;
+                    return self.wait_to_leave(task, Waiting::Children);
                 }
                 return match leaving {
                     Leaving::Swap(swap) => self.begin_plan(around, task, &swap),
@@ -91,6 +97,9 @@ impl Machine {
                 };
             };
             if let Some(landing) = self.landing(around.program, task, &scope, &leaving) {
+                if let (ScopeKind::Cleanup { .. }, Some(hooks)) = (&scope.kind, self.hooks_before(task)) {
+                    return self.wait_to_leave(task, Waiting::Hooks(hooks));
+                }
                 if !may_run {
                     return Unwound::Land(landing);
                 }
@@ -98,15 +107,64 @@ impl Machine {
             }
             match self.pop_scope(around, task, scope, leaving) {
                 Popped::On => {}
-                Popped::Wait(waiting) => {
-                    self.tasks[task].wait(waiting);
-                    if self.tasks[task].state() == State::Running {
-                        self.set_state(task, State::Blocked);
-                    }
-                    return Unwound::Waiting;
-                }
+                Popped::Wait(waiting) => return self.wait_to_leave(task, waiting),
             }
         }
+    }
+
+    fn wait_to_leave(&mut self, task: u32, waiting: Waiting) -> Unwound {
+        self.tasks[task].wait(waiting);
+        if self.tasks[task].state() == State::Running {
+            self.set_state(task, State::Blocked);
+        }
+        Unwound::Waiting
+    }
+
+    /// Hooks that run for the interruption a task is in when it begins to leave: they and its clean-ups would use the
+    /// same things. If they run for it and what is below it, they are ended; others are waited for, unless they end the
+    /// task themselves.
+    pub(crate) fn note_hooks_before(&mut self, around: &mut Surroundings<'_>, task: u32) {
+        let Some((root, hooks)) = self.hooks_around(task) else { return };
+        if self.current != NONE && self.is_within(self.current, hooks) {
+            return;
+        }
+        self.tasks[task].rare().hooks_before = Some(self.tasks.reference(hooks));
+        if root == task {
+            self.evaporate(around, hooks);
+        }
+    }
+
+    /// Hooks that still run and that the clean-ups of a task wait for.
+    fn hooks_before(&self, task: u32) -> Option<u32> {
+        self.tasks.find_alive(self.tasks[task].rare.as_ref()?.hooks_before?)
+    }
+
+    /// Hooks have ended, and `root` was interrupted: clean-ups below it that waited for that begin.
+    pub(crate) fn begin_clean_ups_below(&mut self, around: &mut Surroundings<'_>, root: u32, hooks: u32) {
+        let mut waiting = vec![root];
+        while let Some(task) = waiting.pop() {
+            if self.tasks[task].waiting() == Some(Waiting::Hooks(hooks)) {
+                self.unwind(around, task);
+            }
+            waiting.extend(self.children(task).into_iter().rev());
+        }
+    }
+
+    /// The root of an interruption that a task is in, and the task that runs hooks for it now.
+    pub(crate) fn hooks_around(&self, task: u32) -> Option<(u32, u32)> {
+        let mut reaches = Some(task);
+        while let Some(at) = reaches.filter(|&at| self.tasks[at].stop() > 0) {
+            let record = &self.tasks[at];
+            for &valve in record.rare.iter().flat_map(|rare| &rare.marked) {
+                let entry = &self.valves[valve as usize];
+                let hooks = entry.handover.and(entry.top_hold()).and_then(|(_, hold)| self.tasks.find_alive(hold.task));
+                if let Some(hooks) = hooks.filter(|&hooks| self.tasks[hooks].parent == at) {
+                    return Some((at, hooks));
+                }
+            }
+            reaches = self.suspends_with_it(at);
+        }
+        None
     }
 
     /// An evaporation that came during a clean-up takes effect after it, unless the task is
@@ -195,10 +253,10 @@ impl Machine {
         }
     }
 
-    /// A task that has run out of its limit twice in one instant handles that no more.
+    /// The second time that a limit is reached in one instant, or in one evaluation, nothing handles that.
     fn passes_handlers(&self, task: u32, failure: u32) -> bool {
-        let record = &self.tasks[task];
-        self.heap.failures[failure].is_runaway && record.strikes >= 2 && record.budget_instant == self.instant
+        let times = if task == SCRATCH_TASK { self.scratch.overdrawn } else { self.spent.times };
+        self.heap.failures[failure].is_runaway && times >= 2
     }
 
     /// What waited for the end of a clean-up takes effect: tells whether the task leaves.
@@ -295,9 +353,7 @@ impl Machine {
             }
             ScopeKind::Suspended(other) => {
                 self.tasks[task].scopes.pop();
-                if let Some(other) = self.tasks.find_alive(other) {
-                    self.unhold(around, other);
-                }
+                self.unhold_for_scope(around, other, task);
             }
             ScopeKind::Watch(watch) => {
                 self.tasks[task].scopes.pop();

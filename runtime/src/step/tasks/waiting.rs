@@ -64,7 +64,7 @@ impl Machine {
                 self.waits_for_rest -= 1;
                 self.leave_line(task, other, |rare| &mut rare.resters);
             }
-            Waiting::Children | Waiting::Spawned | Waiting::Signal(_) | Waiting::Answer => {}
+            Waiting::Children | Waiting::Spawned | Waiting::Hooks(_) | Waiting::Signal(_) | Waiting::Answer => {}
         }
     }
 

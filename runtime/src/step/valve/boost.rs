@@ -99,7 +99,7 @@ impl Machine {
         self.change_line(task, |machine| machine.tasks[task].rare().boost = due);
         if is_queued {
             let line = self.effective_priority(task);
-            self.priorities.enqueue(&mut self.tasks, task, line, false);
+            self.priorities.rejoin(&mut self.tasks, task, line);
         }
         // Its priority counts for those who want its valves.
         let rare = self.tasks[task].rare();

@@ -15,8 +15,9 @@
 //!   below the nearest common ancestor that contains the holder. Otherwise it is done from *outside*:
 //!   what is suspended is the whole subtree of the *owner*, the outermost task above the holder that
 //!   holds the valve. A mark with that root goes on top, and the requester's hold above it. As long as
-//!   a clean-up runs anywhere in that subtree, the requester is passed over, nothing is suspended,
-//!   and the clean-up runs at its priority.
+//!   a clean-up runs anywhere in that subtree, or the subtree is a part of a clean-up to which the
+//!   requester does not belong, the requester is passed over, nothing is suspended, and the clean-up
+//!   runs at its priority.
 //! - **Giving back.** With its hold gone from the top, the valve goes to the first in line who can
 //!   have it. If a mark has come to the top, the interrupted one is asked as well, with the priority
 //!   of the hold below: only a higher priority goes first, and suspends what is not suspended yet.

@@ -124,13 +124,14 @@ impl Machine {
     }
 
     /// Looks for who can pre-empt the holder in one line. Those who are below no task that is above
-    /// the holder too all want the same subtree suspended: the first speaks for all.
+    /// the holder too all want the same subtree suspended: the first speaks for all, unless some of them belong to the
+    /// same clean-up as the holder.
     fn look_along(&self, next: &mut NextServed, valve: u32, below: &Below, holder: u32, floor: u32) {
         let entry = &self.valves[valve as usize];
         let link = entry.links.binary_search_by_key(&below.link, |link| link.number).ok().map(|at| entry.links[at]);
         let lender = link.filter(Link::is_hold).and_then(|link| self.tasks.find(link.task));
         let is_inside = lender.is_some_and(|lender| self.is_within(holder, lender));
-        let most = if is_inside { usize::MAX } else { 1 };
+        let most = if is_inside || self.runs_in_clean_up(holder) { usize::MAX } else { 1 };
         for (place, task) in below.line.iter().take(most) {
             let is_higher = self.priorities.is_higher(place.priority, floor);
             if !is_higher || next.note(&self.priorities, place, task, self.way(task, place.priority, valve)) {
@@ -159,12 +160,51 @@ impl Machine {
         let root = self.subtree_to_interrupt(task, holder, valve);
         let mut marks = entry.links[at + 1..].iter().filter_map(|mark| self.tasks.find_alive(mark.task));
         let root = root.filter(|&root| !marks.any(|mark| self.is_within(root, mark)));
+        if let Some(cleaning) = root.and_then(|root| self.clean_up_in_the_way(task, root)) {
+            return Way::Blocked(cleaning);
+        }
         match root {
-            Some(root) if !self.is_at_rest(root) => Way::Blocked(root),
             _ if !self.priorities.is_higher(priority, self.effective_priority(holder)) => Way::Closed,
             Some(root) => Way::Through(root),
             None => Way::Open,
         }
+    }
+
+    /// The subtree whose clean-up a task must wait for before it can interrupt another subtree: that one, or one around
+    /// it, if what would be interrupted is a part of its clean-up and the task is none.
+    fn clean_up_in_the_way(&self, task: u32, root: u32) -> Option<u32> {
+        let mut cleaning = (!self.is_at_rest(root)).then_some(root);
+        let mut at = root;
+        while at != NONE {
+            let record = &self.tasks[at];
+            let around = self.tasks.get(record.parent).filter(|around| around.is_within_clean_up(record.parent_scope));
+            if around.is_some() && !self.belongs_to_clean_up(task, record.parent) {
+                cleaning = Some(record.parent);
+            }
+            at = record.parent;
+        }
+        cleaning
+    }
+
+    /// Whether a task was started in a clean-up, itself or what is around it.
+    fn runs_in_clean_up(&self, task: u32) -> bool {
+        let mut at = task;
+        while let Some(around) = self.tasks.get(self.tasks[at].parent) {
+            if around.is_within_clean_up(self.tasks[at].parent_scope) {
+                return true;
+            }
+            at = self.tasks[at].parent;
+        }
+        false
+    }
+
+    /// Whether a task is one that cleans up, or runs in its clean-up.
+    fn belongs_to_clean_up(&self, task: u32, cleaning: u32) -> bool {
+        let (mut at, mut scope) = (task, u32::MAX);
+        while at != NONE && at != cleaning {
+            (at, scope) = (self.tasks[at].parent, self.tasks[at].parent_scope);
+        }
+        at != NONE && self.tasks[cleaning].is_within_clean_up(scope)
     }
 
     /// What is suspended when a task pre-empts the holder; none if it is below the holder itself.

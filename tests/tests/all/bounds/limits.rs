@@ -53,6 +53,30 @@ fn no_time_passes_for_free() {
     );
 }
 
+/// r[limit.steps], r[limit.twice]
+#[test]
+fn tasks_that_start_or_wake_each_other_without_end_run_away_together() {
+    fails("(defun step () (spawn (step))) (def-plan chain () (spawn (step)) (wait-time 1)) (chain)", "runaway");
+    fails("(defun step () (spawn (wait-time 0) (step))) (def-plan chain () (spawn (step)) (wait-time 1)) (chain)", "runaway");
+    fails("(def-plan f () (par (f))) (with-timeout 5 (f))", "runaway");
+    // Neither is more than a moment at work when it is its turn.
+    fails(
+        "(def-fluent ping nil) (def-fluent pong nil)
+         (par (loop (wait-for ping) (setf (value ping) nil) (setf (value pong) t))
+              (loop (wait-for pong) (setf (value pong) nil) (setf (value ping) t))
+              (setf (value ping) t))",
+        "runaway",
+    );
+    let caught = "(defun step () (spawn (step))) (def-plan chain () (spawn (step)) (wait-time 1))
+                  (with-failure-handling ((runaway () 'caught)) (with-timeout 5 (chain)))";
+    assert_eq!(run_limited(caught, 100_000, 1 << 30), "=> caught");
+    // Where each lets time pass, nothing runs away.
+    let later = "(defvar n 0)
+                 (defun step () (incf n) (wait-time 0.001) (when (< n 5000) (spawn (step))))
+                 (def-plan chain () (spawn (step)) (wait-time 10)) (chain) n";
+    assert_eq!(run_limited(later, 10_000, 1 << 30), "=> 5000");
+}
+
 /// r[cleanup.limits]
 #[test]
 fn a_clean_up_has_limits_too() {

@@ -36,6 +36,17 @@ fn a_failure_leaves_the_session_usable() {
     assert_eq!(run(&mut system, "7"), Answer::Succeeded(Value::Int(7)));
 }
 
+/// r[limit.form]
+#[test]
+fn each_form_has_all_steps_of_an_instant() {
+    let mut system = session();
+    system.machine.limits.steps = 1_000;
+    for _ in 0..5 {
+        assert_eq!(run(&mut system, "(dotimes (i 600) nil) 'done"), run(&mut system, "'done"));
+    }
+    assert!(matches!(run(&mut system, "(dotimes (i 6000) nil)"), Answer::Failed(_)));
+}
+
 #[test]
 fn a_wrong_text_changes_nothing() {
     let mut system = session();

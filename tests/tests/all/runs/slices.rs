@@ -84,7 +84,7 @@ fn sorting_much_comes_back_often() {
         if system.step_slice() == Turn::Idle {
             system.next_instant();
         }
-        let steps = system.machine.tasks[system.machine.main].steps;
+        let steps = system.machine.spent.steps;
         most = most.max(steps.saturating_sub(before));
         before = steps;
     }

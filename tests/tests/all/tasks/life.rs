@@ -107,6 +107,64 @@ fn evaporation_during_a_clean_up_waits_for_it() {
     );
 }
 
+/// r[cleanup.inside]
+#[test]
+fn what_names_a_task_inside_a_clean_up_acts_on_that_task() {
+    check(
+        "(par (unwind-protect nil (:tag c (wait-time 2) (print 'never)) (print (list 'done (now))))
+              (seq (wait-time 1) (evaporate c) (print (list 'evaporated (now)))))",
+        "(evaporated 1.0)\n(done 1.0)\n=> (evaporated 1.0)",
+    );
+}
+
+/// r[tag.dead], r[task.states]
+#[test]
+fn a_task_that_is_evaporated_before_its_tag_is_reached_never_runs() {
+    let late = |form: &str| format!("(def-plan p () (par (evaporate late) (seq (wait-time 1) {form}))) (p) (now)");
+    for form in [
+        "(:tag late (print 'runs))",
+        "(process late (print 'runs))",
+        "(par (:tag late (print 'runs)) nil)",
+        "(with-policy (:tag late (print 'runs)) nil)",
+        "(plan ((:tag late (print 'runs)) (:tag next nil)) (:order late next))",
+        "(plan ((:tag first nil) (:tag late (print 'runs))) (:order first late))",
+        "(spawn (:tag late (print 'runs)))",
+        "(let ((i 1)) (loop (:tag late (print 'runs)) until (= i 1)))",
+    ] {
+        check(&late(form), "=> 1.0");
+    }
+    check("(def-plan p () (par (seq (suspend late) (evaporate late)) (seq (wait-time 1) (:tag late (print 'runs))))) (p)", "=> nil");
+    check(
+        "(def-plan p ()
+           (par (evaporate late)
+                (seq (wait-time 1) (pursue (:tag late (wait-time 9)) (seq (wait-time 1) (value (status late)))))))
+         (p)",
+        "=> evaporated",
+    );
+    // Reached once more, it means a new task.
+    check(
+        "(def-plan p () (par (evaporate late) (n-times 2 (wait-time 1) (:tag late (print (now)))))) (p)",
+        "2.0\n=> nil",
+    );
+    // A quorum that needs it cannot be met.
+    let starved = run("(def-plan p () (par (evaporate late) (seq (wait-time 1) (quorum 2 :all (:tag late 1) 2)))) (p)");
+    assert!(starved.starts_with("failed: composite-failure: only 1 of 2"), "{starved}");
+}
+
+/// r[act.death]
+#[test]
+fn who_waits_for_a_death_wakes_in_a_fixed_order() {
+    check(
+        "(def-plan p ()
+           (par (seq (pursue (:tag a (evap-protect (wait-time 50) (wait-time 1))) (wait-time 2)) (print 'around))
+                (seq (wait-time 1) (evaporate a) (print 'evaporated))
+                (seq (wait-time 1.5) (suspend a) (print 'at-rest))
+                (seq (wait-for (end-task a)) (print 'fluent))))
+         (p) nil",
+        "fluent\nat-rest\nevaporated\naround\n=> nil",
+    );
+}
+
 /// r[suspend.count]
 #[test]
 fn suspensions_count() {

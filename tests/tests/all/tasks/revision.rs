@@ -27,6 +27,17 @@ fn a_task_leaves_its_plan_like_one_that_is_evaporated_and_runs_the_other() {
 
 /// r[swap.form]
 #[test]
+fn the_plan_begins_before_who_gave_it_goes_on() {
+    let given = |plan: &str| format!("(par (:tag a (wait-time 1)) (seq (swap-plan a '(print 'new)) {plan}))");
+    check(&given("(print 'swapped)"), "new\nswapped\n=> swapped");
+    check(
+        "(par (:tag a (evap-protect (wait-time 9) (wait-time 1))) (seq (swap-plan a '(print 'new)) (print 'swapped)))",
+        "new\nswapped\n=> swapped",
+    );
+}
+
+/// r[swap.form]
+#[test]
 fn a_plan_that_is_none_is_told_before_anything_is_left() {
     let told = run("(par (:tag a (evap-protect (wait-time 2) (print 'left)))
               (with-failure-handling ((error (f) (print (string-search \"nowhere\" (failure-message f)))))

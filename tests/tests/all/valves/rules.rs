@@ -483,3 +483,153 @@ fn a_crowd_of_tasks_with_a_valve_each_is_linear() {
     let (few, many) = (work(250), work(2_000));
     assert!(many <= few * 9, "250 valves cost {few}, 2,000 cost {many}");
 }
+
+/// r[valve.rest], r[cleanup.protected]
+#[test]
+fn what_a_clean_up_starts_is_not_interrupted_from_outside() {
+    // However the clean-up wraps what it does.
+    for wrapped in [
+        "(with-timeout 30 (put-back))",
+        "(par (put-back))",
+        "(with-priority -1 (put-back))",
+        "(:tag home (put-back))",
+        "(with-policy nil (put-back))",
+        "(par nil (par (with-timeout 30 (put-back))))",
+    ] {
+        check(
+            &format!(
+                "(def-valve arm)
+                 (def-plan put-back () (with-valve arm (wait-time 2) (print (list 'home (now)))))
+                 (with-policy (seq (wait-time 1) (with-valve arm (print (list 'policy (now)))))
+                   (unwind-protect nil {wrapped}))
+                 nil"
+            ),
+            "(home 2.0)\n(policy 2.0)\n=> nil",
+        );
+    }
+    check(
+        "(def-valve arm)
+         (def-plan p ()
+           (with-policy (seq (wait-time 3) (with-valve arm (wait-time 2) (print (list 'policy (now)))))
+             (par (:tag w (evap-protect (wait-time 9)
+                            (par (with-valve arm (wait-time 2) (print (list 'put-back (now)))))))
+                  (seq (wait-time 2) (evaporate w)))))
+         (p)",
+        "(put-back 4.0)\n=> nil",
+    );
+    // Inside one clean-up the rule is what it always is.
+    check(
+        "(def-valve arm)
+         (unwind-protect nil
+           (par (with-valve arm (wait-time 2) (print (list 'low (now))))
+                (with-priority 1 (wait-time 1) (with-valve arm (wait-time 3) (print (list 'high (now)))))))
+         nil",
+        "(high 4.0)\n(low 4.0)\n=> nil",
+    );
+    // Who is more important, and outside, keeps nobody inside from it.
+    check(
+        "(def-valve arm)
+         (with-policy (seq (wait-time 0.5) (with-valve arm (print (list 'policy (now)))))
+           (unwind-protect nil
+             (par (with-valve arm (wait-time 2) (print (list 'low (now))))
+                  (with-priority -1 nil)
+                  (with-priority 1 (wait-time 1) (with-valve arm (wait-time 1) (print (list 'high (now))))))))
+         nil",
+        "(high 2.0)\n(low 2.0)\n(policy 2.0)\n=> nil",
+    );
+}
+
+/// r[priority.run], r[valve.clean-up]
+#[test]
+fn a_clean_up_that_comes_to_another_priority_keeps_its_place_among_those_that_are_ready() {
+    check(
+        "(def-valve v)
+         (with-policy (seq (wait-time 1) (par (with-policy (wait-time 1) (print 'later)) (with-valve v)))
+           (with-valve v (unwind-protect nil (wait-time 1) (print 'clean-up))))
+         nil",
+        "clean-up\nlater\n=> nil",
+    );
+}
+
+/// r[valve.hooks-end]
+#[test]
+fn hooks_and_clean_ups_of_one_task_never_run_side_by_side() {
+    let told = |waits: &str, hook: &str| {
+        format!(
+            "(def-valve arm)
+             (def-plan p ()
+               (par (:tag b (with-valve arm
+                              (on-interrupt {hook}
+                                (par (:tag inner
+                                       (evap-protect (wait-time 10)
+                                         (print (list 'begins (now)))
+                                         (wait-time 2)
+                                         (print (list 'ends (now))))))))) 
+                    (with-priority 1 (wait-time 1) (with-valve arm))
+                    {waits}))
+             (p) nil"
+        )
+    };
+    let hook = "(seq (wait-time 2) (print (list 'hook (now))))";
+    // Its own hooks are ended.
+    check(&told("(seq (wait-time 2) (evaporate b))", hook), "(begins 2.0)\n(ends 4.0)\n=> nil");
+    // With their clean-ups.
+    let careful = "(evap-protect (wait-time 2) (wait-time 1) (print (list 'hook-ended (now))))";
+    check(
+        &told("(seq (wait-time 2) (evaporate b))", careful),
+        "(hook-ended 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil",
+    );
+    // Those of a task above are waited for,
+    check(&told("(seq (wait-time 2) (evaporate inner))", hook), "(hook 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil");
+    // unless it is they who end it.
+    let ends_it = "(seq (evaporate inner) (print (list 'hook (now))))";
+    check(&told("nil", ends_it), "(begins 1.0)\n(ends 3.0)\n(hook 3.0)\n=> nil");
+}
+
+/// r[valve.circle]
+#[test]
+fn a_circle_through_what_is_suspended_is_told() {
+    check(
+        "(def-valve v1) (def-valve v3)
+         (with-timeout 60
+           (pursue (loop (wait-time 1))
+             (par (seq (wait-time 1)
+                       (with-priority 1
+                         (with-failure-handling ((deadlock () (print (list 'deadlock (now)))))
+                           (with-valve v1 (with-valve v3 (print 'both))))))
+                  (with-valve v1 (with-priority 1 (with-valve v3 (wait-time 2)))))))
+         (now)",
+        "(deadlock 1.0)\n=> 2.0",
+    );
+    let told = run("(def-valve v)
+         (def-plan p ()
+           (with-timeout 60
+             (par (loop (wait-time 1))
+                  (:tag held (with-valve v (wait-time 5)))
+                  (seq (wait-time 1) (with-task-suspended (held) (with-valve v (print 'both)))))))
+         (p)");
+    for part in ["failed: deadlock", "waits for valve v", "held is suspended by main/p"] {
+        assert!(told.contains(part), "{told}");
+    }
+    // Whoever is only interrupted has the valve again when the other is done.
+    check(
+        "(def-valve v1) (def-valve v3)
+         (par (with-valve v1 (with-valve v3 (wait-time 2)) (print (now)))
+              (with-priority 1 (wait-time 1) (with-valve v1 (wait-time 5)))
+              (seq (wait-time 2) (with-valve v3 (print 'last))))
+         nil",
+        "6.0\nlast\n=> nil",
+    );
+}
+
+/// r[valve.decision]
+#[test]
+fn what_one_decision_ends_it_ends_before_a_valve_goes_on() {
+    check(
+        "(def-valve v)
+         (pursue (seq (wait-time 1) 'won)
+                 (with-valve v (wait-time 9))
+                 (with-valve v (print 'never)))",
+        "=> won",
+    );
+}
