@@ -8,6 +8,7 @@ use crate::compile::special_forms;
 use crate::layout::ItemShape::{self, Binding, Bindings, Clause, Data, Form, Handlers};
 use crate::layout::Layout;
 use crate::layout::Style::{self, Body, Call, Forms};
+use crate::symbol::base_name;
 
 /// The macros of the library that are not laid out like a call, in the order of their names.
 const MACROS: &[(&str, Layout)] = &[
@@ -15,7 +16,6 @@ const MACROS: &[(&str, Layout)] = &[
     ("case", Layout { style: Body(1), leading: &[Form], rest: Clause }),
     ("cond", Layout { style: Call, leading: &[], rest: Clause }),
     ("def-revision", Layout::with(Body(2), &[Data, Data])),
-    ("destructuring-bind", Layout::with(Body(2), &[Data])),
     ("do", Layout::with(Body(2), &[Bindings, Clause])),
     ("do-retry", Layout::plain(Body(1))),
     ("dolist", Layout::with(Body(1), &[Binding])),
@@ -35,8 +35,9 @@ const MACROS: &[(&str, Layout)] = &[
     ("with-retry-counters", Layout::with(Body(1), &[Bindings])),
 ];
 
-/// The layout of a form that begins with this name, in lower case; none for a call.
+/// The layout of a form that begins with this name, in lower case, with or without a qualifier; none for a call.
 pub fn layout(head: &str) -> Option<Layout> {
+    let head = base_name(head);
     if let Some(form) = special_forms().find(|form| form.names.contains(&head)) {
         return form.layout;
     }
@@ -73,8 +74,8 @@ pub fn layout_of(head: Option<&str>, shape: ItemShape, body_of: impl Fn(&str) ->
 /// Whether the word makes the item after it part of itself: a keyword, or the `until` and `while`
 /// of these loops.
 pub fn is_label(head: Option<&str>, word: &str) -> bool {
-    word.starts_with(':') && word.len() > 1 && !(head == Some("with-timeout") && word == ":active")
-        || matches!(head, Some("loop" | "n-times")) && matches!(word, "until" | "while")
+    word.starts_with(':') && word.len() > 1 && !(head.map(base_name) == Some("with-timeout") && word == ":active")
+        || matches!(head.map(base_name), Some("loop" | "n-times")) && matches!(word, "until" | "while")
 }
 
 /// Whether arguments go below the first one, where they would begin in this column: not if that is

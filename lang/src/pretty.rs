@@ -7,7 +7,7 @@ use crate::layout::Style;
 use crate::number::format_float;
 use crate::source::{SourceId, Span};
 use crate::symbol::Symbols;
-use crate::syntax::{NodeId, NodeKind, Tree};
+use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
 use crate::visible::quote_string;
 
 /// The datum on one line, such that reading it gives the same datum – but for run-time objects and
@@ -164,7 +164,9 @@ impl<'a> Printer<'a> {
         let items = parts(self.tree, list);
         let &first = items.first()?;
         let head = match self.tree.get(first).kind {
-            NodeKind::Symbol(symbol) => Some(self.symbols.name(symbol).to_string()),
+            NodeKind::Symbol(written) | NodeKind::Qualified { written, .. } => {
+                Some(self.symbols.name(written).to_string())
+            }
             NodeKind::Keyword(symbol) => Some(format!(":{}", self.symbols.name(symbol))),
             _ => None,
         };
@@ -239,22 +241,15 @@ fn parts(tree: &Tree, node: NodeId) -> &[NodeId] {
 }
 
 /// `'x` and its kin: the mark and the datum of `(quote x)`.
-fn marked<'s>(tree: &Tree, symbols: &'s Symbols, node: NodeId) -> Option<(&'s str, NodeId)> {
+fn marked(tree: &Tree, symbols: &Symbols, node: NodeId) -> Option<(&'static str, NodeId)> {
     let &[head, datum] = tree.proper_list(node)? else { return None };
-    let mark = match symbols.name(tree.symbol(head)?) {
-        "quote" => "'",
-        "quasiquote" => "`",
-        "unquote" => ",",
-        "unquote-splicing" => ",@",
-        _ => return None,
-    };
-    Some((mark, datum))
+    Some((mark_of(symbols.name(tree.plain_symbol(head)?))?, datum))
 }
 
 /// What an atom is written as; nothing for a list or vector.
 fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
     match &tree.get(node).kind {
-        NodeKind::Symbol(symbol) => symbols.name(*symbol).to_string(),
+        NodeKind::Symbol(written) | NodeKind::Qualified { written, .. } => symbols.name(*written).to_string(),
         NodeKind::Keyword(symbol) => format!(":{}", symbols.name(*symbol)),
         NodeKind::Int(value) => value.to_string(),
         NodeKind::Float(value) => format_float(*value),

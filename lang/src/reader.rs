@@ -184,7 +184,10 @@ impl TreeBuilder<'_> {
             Token::Float(value) => NodeKind::Float(value),
             Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1]).0.into()),
             Token::Keyword => NodeKind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
-            Token::Symbol => NodeKind::Symbol(self.symbols.intern(&fold_name(text))),
+            Token::Symbol => {
+                let written = self.symbols.intern(&fold_name(text));
+                NodeKind::of_symbol(self.symbols, written)
+            }
             _ => NodeKind::Hole,
         };
         self.tree.atom(kind, self.span(span))

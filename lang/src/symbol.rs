@@ -11,6 +11,36 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Symbol(pub u32);
 
+/// Where a name is looked up that says so: `library:car`, `global:car`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Qualifier {
+    /// In the library, whatever the text defines or binds.
+    Library,
+    /// At the top level of the program, whatever is bound around it.
+    Global,
+}
+
+impl Qualifier {
+    /// What stands in front of the name.
+    pub const fn prefix(self) -> &'static str {
+        match self {
+            Qualifier::Library => "library:",
+            Qualifier::Global => "global:",
+        }
+    }
+
+    /// The qualifier of a name, and the name behind it; none if it has none.
+    pub fn split(name: &str) -> Option<(Qualifier, &str)> {
+        let split = |qualifier: Qualifier| Some((qualifier, name.strip_prefix(qualifier.prefix())?));
+        split(Qualifier::Library).or_else(|| split(Qualifier::Global)).filter(|(_, base)| !base.is_empty())
+    }
+}
+
+/// A name without its qualifier, if it has one.
+pub fn base_name(name: &str) -> &str {
+    Qualifier::split(name).map_or(name, |(_, base)| base)
+}
+
 /// The table of names of one program; append-only.
 #[derive(Clone, Debug, Default)]
 pub struct Symbols {
@@ -60,6 +90,12 @@ impl Symbols {
     /// The symbol of this name, if there is one.
     pub fn find(&self, name: &str) -> Option<Symbol> {
         self.find_hashed(hash(name), name)
+    }
+
+    /// The symbol `library:NAME` or `global:NAME`.
+    pub fn qualified(&mut self, qualifier: Qualifier, name: Symbol) -> Symbol {
+        let written = format!("{}{}", qualifier.prefix(), self.name(name));
+        self.intern(&written)
     }
 
     /// A new symbol that no text can name, printed as `#:stem12`.

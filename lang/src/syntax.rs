@@ -2,7 +2,7 @@
 //! recursion, however deep the text nests.
 
 use crate::source::Span;
-use crate::symbol::Symbol;
+use crate::symbol::{Qualifier, Symbol, Symbols};
 use std::sync::Arc;
 
 /// Number of a node in a [`Tree`].
@@ -23,6 +23,15 @@ pub struct Node {
 pub enum NodeKind {
     /// A name, folded to lower case.
     Symbol(Symbol),
+    /// `library:car` or `global:car`: a name that says where it is looked up.
+    Qualified {
+        /// As it is written.
+        written: Symbol,
+        /// Where it is looked up.
+        qualifier: Qualifier,
+        /// The name that is looked up.
+        name: Symbol,
+    },
     /// `:goal`; the name is kept without the colon.
     Keyword(Symbol),
     /// A 64-bit integer.
@@ -54,6 +63,28 @@ pub enum NodeKind {
     /// Where a datum should stand and cannot be read: its fault is reported, and nothing more is
     /// said of it.
     Hole,
+}
+
+impl NodeKind {
+    /// A symbol as a node: with or without a qualifier.
+    pub fn of_symbol(symbols: &mut Symbols, written: Symbol) -> Self {
+        let Some((qualifier, name)) = Qualifier::split(symbols.name(written)) else {
+            return NodeKind::Symbol(written);
+        };
+        let name = name.to_string();
+        NodeKind::Qualified { written, qualifier, name: symbols.intern(&name) }
+    }
+}
+
+/// The mark that stands for a list of this name and a datum: `'` for `quote`.
+pub fn mark_of(name: &str) -> Option<&'static str> {
+    match name {
+        "quote" => Some("'"),
+        "quasiquote" => Some("`"),
+        "unquote" => Some(","),
+        "unquote-splicing" => Some(",@"),
+        _ => None,
+    }
 }
 
 /// The arena.
@@ -125,10 +156,24 @@ impl Tree {
         }
     }
 
-    /// The symbol, if the node is one.
+    /// The symbol, if the node is one; of one with a qualifier, the name behind that.
     pub fn symbol(&self, id: NodeId) -> Option<Symbol> {
+        self.name(id).map(|(_, name)| name)
+    }
+
+    /// The symbol and the qualifier in front of it, if it has one.
+    pub fn name(&self, id: NodeId) -> Option<(Option<Qualifier>, Symbol)> {
         match self.get(id).kind {
-            NodeKind::Symbol(symbol) => Some(symbol),
+            NodeKind::Symbol(name) => Some((None, name)),
+            NodeKind::Qualified { qualifier, name, .. } => Some((Some(qualifier), name)),
+            _ => None,
+        }
+    }
+
+    /// The symbol, if the node is one without a qualifier: what can be bound.
+    pub fn plain_symbol(&self, id: NodeId) -> Option<Symbol> {
+        match self.get(id).kind {
+            NodeKind::Symbol(name) => Some(name),
             _ => None,
         }
     }

@@ -6,6 +6,7 @@ use crate::arguments::{
 };
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
+use rpl_lang::symbol::base_name;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, NativeCode};
@@ -109,16 +110,71 @@ fn checked_function(call: &mut Call<'_, '_>) -> NativeResult {
 
 /// Whether a symbol is, where macros are expanded, the name of a function and of no macro.
 fn names_function(call: &mut Call<'_, '_>) -> NativeResult {
-    let Value::Symbol(name) = call.argument(0) else { return truth(false) };
+    let Value::Symbol(written) = call.argument(0) else { return truth(false) };
+    let symbols = &call.machine.symbols;
+    let text = base_name(symbols.name(written));
+    let name = symbols.find(text).unwrap_or(written);
     let program = call.around.program;
     let is_macro = program.macros.contains_key(&name);
     let is_global = program
         .names
         .get(&name)
         .is_some_and(|&global| matches!(program.globals[global as usize].kind, GlobalKind::Function(_)));
-    let text = call.machine.symbols.name(name);
     let is_native = || call.around.natives.iter().any(|native| native.name == text);
     truth(!is_macro && (is_global || is_native()))
+}
+
+/// The list in the first argument, if it fits a parameter list with so many elements and, behind a position, those
+/// keywords.
+fn fitted(call: &mut Call<'_, '_>) -> NativeResult {
+    let list = call.argument(0);
+    let (least, most, positional) = (natural(call, 2)?, natural(call, 3)?, natural(call, 4)?);
+    let parameters = call.machine.brief(call.around.program, call.argument(1));
+    let Ok(length) = call.machine.heap.length(list) else {
+        return Err(call.machine.wrong_type(&format!("what `{parameters}` takes apart"), Kind::List.noun(), list));
+    };
+    call.burn_walk(length);
+    if length < least || length > most {
+        let elements = |count: usize| if count == 1 { "1 element".to_string() } else { format!("{count} elements") };
+        let takes = match most {
+            _ if most == least => elements(least),
+            _ if most == i64::MAX as usize => format!("at least {}", elements(least)),
+            _ => format!("{least} to {}", elements(most)),
+        };
+        let found = call.machine.brief(call.around.program, list);
+        let message = format!("`{parameters}` takes {takes}, and the list has {length}: {found}");
+        return Err(Raise::new("arity-error", message));
+    }
+    let keys = call.machine.heap.elements(call.argument(5)).unwrap_or_default();
+    if !keys.is_empty() && length > positional {
+        let rest = call.machine.heap.first_elements(list, length).split_off(positional);
+        for pair in rest.chunks(2) {
+            let key = call.machine.brief(call.around.program, pair[0]);
+            if !keys.contains(&pair[0]) {
+                let known: Vec<String> = keys.iter().map(|&key| call.machine.brief(call.around.program, key)).collect();
+                let message = format!("`{parameters}` takes the keywords {}, not `{key}`", known.join(" "));
+                return Err(Raise::new("arity-error", message));
+            }
+            if pair.len() == 1 {
+                return Err(Raise::new(
+                    "arity-error",
+                    format!("`{key}` has no value in what `{parameters}` takes apart"),
+                ));
+            }
+        }
+    }
+    value(list)
+}
+
+/// What follows a keyword among those behind a position of a list, the last one if there are several; else nil.
+fn behind_key(call: &mut Call<'_, '_>) -> NativeResult {
+    let (key, mut found) = (call.argument(2), Value::Nil);
+    let pairs: Vec<(u32, Value)> = call.machine.heap.spine(call.argument(0)).skip(natural(call, 1)?).collect();
+    call.burn_walk(pairs.len());
+    for keyed in pairs.chunks_exact(2).filter(|keyed| keyed[0].1 == key) {
+        found = Value::Cons(keyed[1].0);
+    }
+    value(found)
 }
 
 /// A value in the message of a failure, cut where it is long.
@@ -178,6 +234,13 @@ pub(super) const NATIVES: &[Native] = &[
     pure("%listed", "value", "The elements of a vector as a list, any other value as it is.", listed),
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
     pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
+    pure("%fitted", "value form integer integer integer values", "The list, if it fits a parameter list.", fitted),
+    pure(
+        "%behind-key",
+        "list position key",
+        "What follows a keyword in a list, behind a position; else nil.",
+        behind_key,
+    ),
     pure("%brief", "value", "The value as it could be read, cut where it is long.", brief),
     pure("%checked-record", "value kind", "The value if it is a record of the kind, else an error.", checked_record),
     pure("%slot", "value kind position", "The slot at a place of a record of the kind.", slot),

@@ -6,7 +6,7 @@ use super::known::{Check, Effects};
 use super::places::lies_in;
 use super::walk::{FormPart, each_form, parts};
 use crate::code::{CodeKind, GlobalKind};
-use crate::compile::ir::{Callee, Function, Ir, IrKind};
+use crate::compile::ir::{Callee, Function, Ir, IrKind, ParameterBinding};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::stack::deep;
@@ -93,7 +93,7 @@ fn effects_of(check: &Check<'_>, global: u32, function: &Function) -> Rc<Effects
     let bindings = check.known(global).map(|known| known.bindings);
     let mut collector = Collector { check, bindings, effects: &mut effects };
     collector.form(&function.body, true);
-    function.bindings.iter().filter_map(|binding| binding.default.as_ref()).for_each(|ir| collector.form(ir, true));
+    function.bindings.iter().flat_map(ParameterBinding::evaluated).for_each(|ir| collector.form(ir, true));
     let effects = Rc::new(effects);
     check.effects.borrow_mut().insert(global, effects.clone());
     effects

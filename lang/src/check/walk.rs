@@ -1,6 +1,6 @@
 //! Walks over resolved forms.
 
-use crate::compile::ir::{Callee, Function, Ir, IrKind, ScopeIr};
+use crate::compile::ir::{Callee, Function, Ir, IrKind, ParameterBinding, ScopeIr};
 use crate::stack::deep;
 
 /// What stands directly inside a form.
@@ -81,8 +81,8 @@ pub(super) fn each_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Ir))
 
 /// The same, each with the function it stands in.
 pub(crate) fn each_function_form<'a>(function: &'a Function, see: &mut dyn FnMut(&'a Function, &'a Ir)) {
-    for default in function.bindings.iter().filter_map(|binding| binding.default.as_ref()) {
-        descend(function, default, see);
+    for evaluated in function.bindings.iter().flat_map(ParameterBinding::evaluated) {
+        descend(function, evaluated, see);
     }
     descend(function, &function.body, see);
 }

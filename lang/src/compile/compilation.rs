@@ -93,6 +93,9 @@ pub fn no_names() -> Names {
 pub struct Compilation<'a> {
     /// Where code is added.
     pub program: &'a mut Program,
+    /// The library that the program began with, whose numbers it shares: what names of the library mean
+    /// that the program has defined again. None for a text of the library itself.
+    pub library: Option<&'a Program>,
     /// The names.
     pub symbols: &'a mut Symbols,
     /// The native functions, by number.

@@ -7,8 +7,8 @@ use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Prog
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
-use crate::syntax::{NodeId, Tree};
-use std::collections::BTreeMap;
+use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Where a special form has its row: its table, and its place there.
@@ -21,6 +21,7 @@ pub(crate) struct FormPlace {
 /// A compilation under way.
 pub(crate) struct Compiler<'a> {
     pub(super) program: &'a mut Program,
+    pub(super) library: Option<&'a Program>,
     pub(super) symbols: &'a mut Symbols,
     pub(super) natives: &'a [NativeSignature],
     pub(super) native_numbers: BTreeMap<Symbol, u16>,
@@ -41,6 +42,15 @@ pub(crate) struct Compiler<'a> {
     pub(super) functions: Vec<FunctionScope>,
     pub(super) blocks: Vec<BlockScope>,
     pub(super) handlers: Vec<HandlerScope>,
+    /// Macros whose definition has an error: what follows from that is not told.
+    pub(super) broken_macros: BTreeSet<Symbol>,
+    /// Names in calls of macros at top level that could not be expanded: what such a call would have defined has a
+    /// name made of them.
+    pub(super) unexpanded: BTreeSet<Symbol>,
+    /// Whether what is resolved is the body of a macro.
+    pub(super) in_macro: bool,
+    /// Names that a text of the library defines.
+    pub(super) own_names: BTreeSet<Symbol>,
     /// Clean-ups around the form that is resolved.
     pub(super) clean_ups: u32,
     pub(super) next_block: u32,
@@ -114,12 +124,14 @@ impl<'a> Compiler<'a> {
         tree: Tree,
         purpose: Purpose,
     ) -> Self {
-        let Compilation { program, symbols, natives, macros, loader, robot_names, scenario_names } = surroundings;
+        let Compilation { program, library, symbols, natives, macros, loader, robot_names, scenario_names } =
+            surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
         let specials = specials.map(|(name, place)| (symbols.intern(name), place)).collect();
         Self {
             program,
+            library,
             symbols,
             natives,
             native_numbers,
@@ -139,6 +151,10 @@ impl<'a> Compiler<'a> {
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
+            broken_macros: BTreeSet::new(),
+            unexpanded: BTreeSet::new(),
+            in_macro: false,
+            own_names: BTreeSet::new(),
             clean_ups: 0,
             next_block: 0,
             undefined: BTreeMap::new(),
@@ -227,6 +243,7 @@ impl<'a> Compiler<'a> {
         doc: Option<Arc<str>>,
         span: Option<Span>,
     ) -> u32 {
+        self.program.macros.remove(&name);
         if let Some(&existing) = self.program.names.get(&name)
             && (self.undefined.remove(&existing).is_some()
                 || self.purpose == Purpose::Library
@@ -264,6 +281,28 @@ impl<'a> Compiler<'a> {
     /// Whether a name can be bound or assigned: constants and keywords cannot.
     pub(super) fn is_bindable(&self, name: Symbol) -> bool {
         !matches!(self.symbols.name(name), "nil" | "t") && !self.symbols.name(name).starts_with('&')
+    }
+
+    /// Tells, and gives true, if a name may nowhere be bound: one that says where it is looked up, and those that
+    /// marks such as `'` stand for.
+    pub(super) fn refuses_to_bind(&mut self, node: NodeId) -> bool {
+        let (message, help) = match self.tree.get(node).kind {
+            NodeKind::Qualified { written, name, .. } => {
+                let (written, name) = (self.symbols.name(written), self.symbols.name(name));
+                let message = format!("`{written}` says where `{name}` is looked up, and cannot be bound or defined");
+                (message, format!("write `{name}`"))
+            }
+            NodeKind::Symbol(name) => {
+                let text = self.symbols.name(name);
+                let Some(mark) = mark_of(text) else { return false };
+                let message = format!("`{text}` is what `{mark}` stands for, and cannot be bound or defined");
+                (message, "take another name".to_string())
+            }
+            _ => return false,
+        };
+        let span = self.tree.span(node);
+        self.error("reserved-name", span, message, "reserved name").help = Some(help);
+        true
     }
 
     /// A call of a native function by its name.

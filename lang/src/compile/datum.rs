@@ -60,6 +60,7 @@ impl Compiler<'_> {
                 "t" => Atom::True,
                 _ => Atom::Symbol(*name),
             },
+            NodeKind::Qualified { written, .. } => Atom::Symbol(*written),
             NodeKind::Keyword(name) => Atom::Keyword(*name),
             NodeKind::Int(value) => Atom::Int(*value),
             NodeKind::Float(value) => Atom::Float(*value),

@@ -105,6 +105,15 @@ pub(crate) struct ParameterBinding {
     pub(crate) given: Option<VarId>,
     /// Whether the caller may leave it out.
     pub(crate) omissible: bool,
+    /// What is bound to the parts of the parameter, in order, if it is a list that is taken apart.
+    pub(crate) parts: Vec<(VarId, Ir)>,
+}
+
+impl ParameterBinding {
+    /// The forms that are evaluated when the function is entered.
+    pub(crate) fn evaluated(&self) -> impl Iterator<Item = &Ir> {
+        self.default.iter().chain(self.parts.iter().map(|(_, value)| value))
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -1,98 +1,145 @@
 //! Parameter lists: required, `&optional`, `&rest`, `&key`.
 
 use super::compiler::Compiler;
-use super::ir::{ParameterBinding, VarId};
+use super::ir::{Ir, ParameterBinding, VarId};
+use super::pattern::Lists;
 use crate::code::Parameters;
-use crate::syntax::{NodeId, NodeKind};
+use crate::symbol::Symbol;
+use crate::syntax::NodeId;
 
-#[derive(Clone, Copy, PartialEq)]
-enum Section {
+/// More parameters a list cannot have.
+const MAX_PARAMETERS: usize = 200;
+
+/// What is in front of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Section {
     Required,
     Optional,
     Rest,
     Key,
-    Done,
 }
 
 impl Compiler<'_> {
     /// Binds the parameters of a list in the current function. Defaults may use the parameters
     /// before them.
-    pub(super) fn lambda_list(&mut self, node: NodeId) -> (Parameters, Vec<ParameterBinding>) {
+    pub(super) fn lambda_list(&mut self, node: NodeId, lists: Lists) -> (Parameters, Vec<ParameterBinding>) {
         let mut parameters = Parameters::default();
         let mut bindings = Vec::new();
-        let Some(items) = self.list_items(node) else {
-            let span = self.tree.span(node);
-            self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");
-            return (parameters, bindings);
-        };
-        let mut section = Section::Required;
-        for item in items {
-            let span = self.tree.span(item);
-            if let Some(symbol) = self.tree.symbol(item)
-                && self.symbols.name(symbol).starts_with('&')
-            {
-                section = match self.symbols.name(symbol) {
-                    "&optional" if section == Section::Required => Section::Optional,
-                    "&rest" | "&body" if matches!(section, Section::Required | Section::Optional) => Section::Rest,
-                    "&key" if section != Section::Key => Section::Key,
-                    other => {
-                        let message = format!("`{other}` cannot stand here in a parameter list");
-                        self.error("parameter-list", span, message, "the order is `a &optional b &rest c &key d`");
-                        section
-                    }
-                };
-                continue;
-            }
-            if bindings.len() >= 200 {
-                self.error("parameter-list", span, "a function can have 200 parameters at most", "one too many");
-                break;
-            }
+        for (section, item) in self.parameter_sections(node) {
             match section {
                 Section::Required => {
                     parameters.required += 1;
-                    bindings.extend(self.required_parameter(item));
+                    bindings.extend(self.required_parameter(item, lists));
                 }
                 Section::Rest => {
                     parameters.rest = true;
-                    section = Section::Done;
-                    bindings.extend(self.required_parameter(item));
+                    bindings.extend(self.required_parameter(item, lists));
                 }
                 Section::Optional => {
                     parameters.optional += 1;
-                    bindings.extend(self.omissible_parameter(item));
+                    bindings.extend(self.omissible_parameter(item, lists));
                 }
                 Section::Key => {
-                    if let Some(binding) = self.omissible_parameter(item) {
+                    if let Some(binding) = self.omissible_parameter(item, Lists::Refused) {
                         parameters.keys.push(self.variables[binding.variable.0 as usize].name);
                         bindings.push(binding);
                     }
-                }
-                Section::Done => {
-                    self.error("parameter-list", span, "`&rest` takes one name", "unexpected parameter");
                 }
             }
         }
         (parameters, bindings)
     }
 
-    fn parameter_name(&mut self, node: NodeId) -> Option<VarId> {
-        let span = self.tree.span(node);
-        match self.tree.get(node).kind {
-            NodeKind::Symbol(name) if self.is_bindable(name) => Some(self.bind(name, span)),
-            _ => {
-                self.error("parameter-list", span, "a parameter must be a name", "expected a name");
-                None
+    /// The parameters of a list as they are written, each with its section.
+    pub(super) fn parameter_sections(&mut self, node: NodeId) -> Vec<(Section, NodeId)> {
+        let Some(items) = self.list_items(node) else {
+            let span = self.tree.span(node);
+            self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        let mut section = Section::Required;
+        let mut is_full = false;
+        for item in items {
+            let span = self.tree.span(item);
+            if let Some(symbol) = self.tree.plain_symbol(item)
+                && self.symbols.name(symbol).starts_with('&')
+            {
+                let next = match self.symbols.name(symbol) {
+                    "&optional" if section == Section::Required => Ok(Section::Optional),
+                    "&rest" | "&body" if matches!(section, Section::Required | Section::Optional) => Ok(Section::Rest),
+                    "&key" if section != Section::Key => Ok(Section::Key),
+                    other => Err(format!("`{other}` cannot stand here in a parameter list")),
+                };
+                match next {
+                    Ok(next) => (section, is_full) = (next, false),
+                    Err(message) => {
+                        self.error("parameter-list", span, message, "the order is `a &optional b &rest c &key d`");
+                    }
+                }
+            } else if found.len() >= MAX_PARAMETERS {
+                let message = format!("a function can have {MAX_PARAMETERS} parameters at most");
+                self.error("parameter-list", span, message, "one too many");
+                break;
+            } else if is_full {
+                self.error("parameter-list", span, "`&rest` takes one name", "unexpected parameter");
+                self.bind_all(item);
+            } else {
+                found.push((section, item));
+                is_full = section == Section::Rest;
             }
+        }
+        found
+    }
+
+    /// A name, or a list that is taken apart: the variable that holds it, and what is bound to its parts.
+    pub(super) fn parameter(&mut self, node: NodeId, lists: Lists) -> Option<(VarId, Vec<(VarId, Ir)>)> {
+        let span = self.tree.span(node);
+        if lists == Lists::Taken && self.tree.proper_list(node).is_some() {
+            let list = self.new_list(span);
+            return Some((list, self.taken_apart(node, list)));
+        }
+        if !self.refuses_to_bind(node) {
+            if let Some(name) = self.tree.plain_symbol(node).filter(|&name| self.is_bindable(name)) {
+                return Some((self.bind(name, span), Vec::new()));
+            }
+            self.error("parameter-list", span, "a parameter must be a name", "expected a name");
+        }
+        self.bind_all(node);
+        None
+    }
+
+    /// Binds all names in what is no parameter, so that nothing more is said of them.
+    fn bind_all(&mut self, node: NodeId) {
+        let mut waiting = vec![node];
+        while let Some(node) = waiting.pop() {
+            if let Some(name) = self.tree.symbol(node) {
+                self.bind(name, self.tree.span(node));
+            }
+            waiting.extend(self.tree.items(node));
         }
     }
 
-    fn required_parameter(&mut self, node: NodeId) -> Option<ParameterBinding> {
-        let variable = self.parameter_name(node)?;
-        Some(ParameterBinding { variable, default: None, given: None, omissible: false })
+    fn required_parameter(&mut self, node: NodeId, lists: Lists) -> Option<ParameterBinding> {
+        let (variable, parts) = self.parameter(node, lists)?;
+        Some(ParameterBinding { variable, default: None, given: None, omissible: false, parts })
     }
 
     /// `name`, `(name)`, `(name default)` or `(name default given?)`.
-    fn omissible_parameter(&mut self, node: NodeId) -> Option<ParameterBinding> {
+    fn omissible_parameter(&mut self, node: NodeId, lists: Lists) -> Option<ParameterBinding> {
+        let items = self.omissible_items(node)?;
+        // The default is resolved before the name is bound: it must not see the parameter itself.
+        let default = items.get(1).map(|&default| self.resolve(default));
+        let (variable, parts) = self.parameter(items[0], lists)?;
+        let given = match items.get(2) {
+            Some(&given) => Some(self.parameter(given, Lists::Refused)?.0),
+            None => None,
+        };
+        Some(ParameterBinding { variable, default, given, omissible: true, parts })
+    }
+
+    /// The parts of `name` or `(name default given?)`.
+    pub(super) fn omissible_items(&mut self, node: NodeId) -> Option<Vec<NodeId>> {
         let items = match self.tree.proper_list(node) {
             Some(items) => items.to_vec(),
             None => vec![node],
@@ -105,15 +152,15 @@ impl Compiler<'_> {
                 "an optional parameter is `name` or `(name default)`",
                 "not of that form",
             );
+            self.bind_all(node);
             return None;
         }
-        // The default is resolved before the name is bound: it must not see the parameter itself.
-        let default = items.get(1).map(|&default| self.resolve(default));
-        let variable = self.parameter_name(items[0])?;
-        let given = match items.get(2) {
-            Some(&given) => Some(self.parameter_name(given)?),
-            None => None,
-        };
-        Some(ParameterBinding { variable, default, given, omissible: true })
+        Some(items)
+    }
+
+    /// The name of a parameter that may be left out.
+    pub(super) fn omissible_name(&self, node: NodeId) -> Option<Symbol> {
+        let named = self.tree.proper_list(node).and_then(|items| items.first().copied()).unwrap_or(node);
+        self.tree.plain_symbol(named)
     }
 }

@@ -2,9 +2,9 @@
 
 use super::compiler::{Compiler, Unknown};
 use super::ir::{Ir, IrKind, VarId};
-use crate::code::{Atom, Global, GlobalKind};
+use crate::code::{Atom, Global, GlobalKind, Program};
 use crate::source::Span;
-use crate::symbol::Symbol;
+use crate::symbol::{Qualifier, Symbol};
 
 /// What a name means where it stands.
 pub(super) enum Meaning {
@@ -14,19 +14,22 @@ pub(super) enum Meaning {
 }
 
 impl Compiler<'_> {
-    /// Looks a name up: lexical variables, tags of the plan, globals, natives. An unknown name
-    /// becomes a global that must be defined before the text ends.
-    pub(super) fn meaning(&mut self, name: Symbol, span: Span) -> Meaning {
-        if let Some(variable) = self.lexical(name) {
+    /// Looks a name up: lexical variables, tags of the plan, globals, natives; where a qualifier says so, only those
+    /// of the program or of the library. An unknown name becomes a global that must be defined before the text ends.
+    pub(super) fn meaning(&mut self, qualifier: Option<Qualifier>, name: Symbol, span: Span) -> Meaning {
+        if qualifier.is_none()
+            && let Some(variable) = self.lexical(name)
+        {
             return Meaning::Local(variable);
         }
-        if let Some(&global) = self.program.names.get(&name) {
+        let program = self.program_of(qualifier);
+        if let Some(&global) = program.names.get(&name) {
             return Meaning::Global(global);
         }
         if let Some(&native) = self.native_numbers.get(&name) {
             return Meaning::Native(native);
         }
-        if self.specials.contains_key(&name) || self.program.macros.contains_key(&name) {
+        if self.specials.contains_key(&name) || program.macros.contains_key(&name) {
             let text = self.symbols.name(name).to_string();
             self.error(
                 "form-as-value",
@@ -36,21 +39,50 @@ impl Compiler<'_> {
             )
             .help = Some(format!("wrap it: `(lambda (x) ({text} x))`"));
         }
+        // What the library lacks a definition of the text does not give it.
+        let name = match (qualifier, self.library) {
+            (Some(Qualifier::Library), Some(_)) => self.symbols.qualified(Qualifier::Library, name),
+            (Some(Qualifier::Library), None) | (Some(Qualifier::Global) | None, _) => name,
+        };
+        if let Some(&global) = self.program.names.get(&name) {
+            return Meaning::Global(global);
+        }
         self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
-        let locals = self.bindings.iter().map(|&(local, _)| local).collect();
+        let locals = match qualifier {
+            Some(_) => Vec::new(),
+            None => self.bindings.iter().map(|&(local, _)| local).collect(),
+        };
         self.undefined.insert(global, Unknown { span, locals });
         Meaning::Global(global)
     }
 
-    pub(super) fn name(&mut self, name: Symbol, span: Span) -> Ir {
-        match self.symbols.name(name) {
-            "nil" => return self.nil(span),
-            "t" => return Ir { span, kind: IrKind::True },
+    /// The program in which a name is looked up.
+    fn program_of(&self, qualifier: Option<Qualifier>) -> &Program {
+        match (qualifier, self.library) {
+            (Some(Qualifier::Library), Some(library)) => library,
+            (Some(Qualifier::Library), None) | (Some(Qualifier::Global) | None, _) => self.program,
+        }
+    }
+
+    /// The code of the macro that a name means.
+    pub(super) fn macro_code(&self, qualifier: Option<Qualifier>, name: Symbol) -> Option<u32> {
+        self.program_of(qualifier).macros.get(&name).copied()
+    }
+
+    /// Whether a name means a macro whose definition has an error.
+    pub(super) fn is_broken_macro(&self, qualifier: Option<Qualifier>, name: Symbol) -> bool {
+        qualifier != Some(Qualifier::Library) && self.broken_macros.contains(&name)
+    }
+
+    pub(super) fn name(&mut self, qualifier: Option<Qualifier>, name: Symbol, span: Span) -> Ir {
+        match (qualifier, self.symbols.name(name)) {
+            (None, "nil") => return self.nil(span),
+            (None, "t") => return Ir { span, kind: IrKind::True },
             _ => {}
         }
-        let kind = match self.meaning(name, span) {
+        let kind = match self.meaning(qualifier, name, span) {
             Meaning::Local(variable) => IrKind::Local(variable),
             Meaning::Global(global) => IrKind::Global(global),
             Meaning::Native(native) => IrKind::Const(self.constant(Atom::Native(native))),
@@ -80,7 +112,7 @@ impl Compiler<'_> {
         }
     }
 
-    pub(super) fn is_lexically_bound(&self, name: Symbol) -> bool {
-        self.bindings.iter().any(|(bound, _)| *bound == name)
+    pub(super) fn is_lexically_bound(&self, qualifier: Option<Qualifier>, name: Symbol) -> bool {
+        qualifier.is_none() && self.bindings.iter().any(|(bound, _)| *bound == name)
     }
 }

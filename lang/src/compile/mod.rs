@@ -13,6 +13,7 @@ mod intrinsics;
 pub(crate) mod ir;
 mod lambda_list;
 mod meaning;
+mod pattern;
 mod resolve;
 pub(crate) mod resolved;
 mod top_level;

@@ -9,7 +9,6 @@ use super::meaning::Meaning;
 use crate::kind::Kind;
 use crate::source::Span;
 use crate::stack::deep;
-use crate::symbol::Symbol;
 use crate::syntax::{NodeId, NodeKind};
 
 /// Macros that expand into macros without end are cut here.
@@ -55,7 +54,8 @@ impl Compiler<'_> {
         let span = self.tree.span(node);
         match self.tree.get(node).kind.clone() {
             NodeKind::Int(value) => Ir { span, kind: IrKind::Int(value) },
-            NodeKind::Symbol(name) => self.name(name, span),
+            NodeKind::Symbol(name) => self.name(None, name, span),
+            NodeKind::Qualified { qualifier, name, .. } => self.name(Some(qualifier), name, span),
             NodeKind::List { len: 0, .. } => self.nil(span),
             NodeKind::List { dotted: true, .. } => {
                 self.error("dotted-call", span, "a form cannot have a dot", "this is data: quote it").help =
@@ -85,19 +85,23 @@ impl Compiler<'_> {
     fn form(&mut self, node: NodeId, span: Span) -> Ir {
         let items = self.tree.items(node).to_vec();
         let head = items[0];
-        match self.tree.get(head).kind.clone() {
-            NodeKind::Symbol(name) => {
-                if self.is_lexically_bound(name) {
-                    return self.call_value(head, &items[1..], span);
-                }
-                if let Some(special) = self.special_form(name) {
-                    return self.special(special, &items, span);
-                }
-                if let Some(&code) = self.program.macros.get(&name) {
-                    return self.expand_and_resolve(code, node, span);
-                }
-                self.named_call(name, head, &items[1..], span)
+        if let Some((qualifier, name)) = self.tree.name(head) {
+            if self.is_lexically_bound(qualifier, name) {
+                return self.call_value(head, &items[1..], span);
             }
+            if let Some(special) = self.special_form(name) {
+                return self.special(special, &items, span);
+            }
+            if self.is_broken_macro(qualifier, name) {
+                return self.nil(span);
+            }
+            if let Some(code) = self.macro_code(qualifier, name) {
+                return self.expand_and_resolve(code, node, span);
+            }
+            let meaning = self.meaning(qualifier, name, span);
+            return self.named_call(meaning, head, &items[1..], span);
+        }
+        match self.tree.get(head).kind.clone() {
             NodeKind::Keyword(name) if self.symbols.name(name) == "tag" => self.tagged(&items, span),
             NodeKind::List { .. } | NodeKind::Object(_) | NodeKind::Hole => self.call_value(head, &items[1..], span),
             _ => {
@@ -149,8 +153,8 @@ impl Compiler<'_> {
         nodes.iter().map(|&node| self.resolve(node)).collect()
     }
 
-    fn named_call(&mut self, name: Symbol, head: NodeId, nodes: &[NodeId], span: Span) -> Ir {
-        match self.meaning(name, span) {
+    fn named_call(&mut self, meaning: Meaning, head: NodeId, nodes: &[NodeId], span: Span) -> Ir {
+        match meaning {
             // A tag of the plan.
             Meaning::Local(_) => self.call_value(head, nodes, span),
             Meaning::Global(global) => {

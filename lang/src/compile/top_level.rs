@@ -99,19 +99,23 @@ impl Compiler<'_> {
     /// Notes the names a file defines, so that a name of the library that is defined again means
     /// the file's own from the first line on.
     pub(super) fn predeclare(&mut self, forms: &[NodeId]) {
-        if self.purpose == Purpose::Library {
-            return;
-        }
         for &form in forms {
             let special = self.tree.head(form).and_then(|head| self.special_form(head));
             let Some(name) = self.tree.items(form).get(1).and_then(|&name| self.tree.symbol(name)) else { continue };
+            if self.purpose == Purpose::Library {
+                self.own_names.extend(special.is_some_and(|special| special.role.is_definition()).then_some(name));
+                continue;
+            }
             let defines_value = special.is_some_and(|special| matches!(special.role, Role::Naming(_)));
+            let is_macro = self.library.is_some_and(|library| library.macros.contains_key(&name));
             let shadows = self.program.names.get(&name).is_some_and(|&global| self.is_library(global))
+                || is_macro && self.program.macros.contains_key(&name)
                 || self.native_numbers.contains_key(&name);
             if defines_value && shadows && !self.is_robot_name(name) {
                 let span = self.tree.span(form);
+                self.program.macros.remove(&name);
                 self.program.names.remove(&name);
-                self.meaning(name, span);
+                self.meaning(None, name, span);
             }
         }
     }
@@ -129,13 +133,20 @@ impl Compiler<'_> {
     fn top_level_here(&mut self, node: NodeId, bodies: &mut Vec<TopLevel>) {
         let span = self.tree.span(node);
         let items = self.tree.items(node).to_vec();
-        let Some(head) = self.tree.head(node) else {
+        let head = self.tree.proper_list(node).and_then(|items| items.first());
+        let Some((qualifier, head)) = head.and_then(|&head| self.tree.name(head)) else {
             return self.form_that_runs(node, bodies);
         };
-        if let Some(&code) = self.program.macros.get(&head) {
-            if let Some(expansion) = self.expand(code, node) {
-                self.top_level(expansion, bodies);
-                self.expansions -= 1;
+        if self.is_broken_macro(qualifier, head) {
+            return self.note_unexpanded(&items);
+        }
+        if let Some(code) = self.macro_code(qualifier, head) {
+            match self.expand(code, node) {
+                Some(expansion) => {
+                    self.top_level(expansion, bodies);
+                    self.expansions -= 1;
+                }
+                None => self.note_unexpanded(&items),
             }
             return;
         }
@@ -155,6 +166,10 @@ impl Compiler<'_> {
                 self.form_that_runs(node, bodies);
             }
         }
+    }
+
+    fn note_unexpanded(&mut self, items: &[NodeId]) {
+        self.unexpanded.extend(items[1..].iter().filter_map(|&item| self.tree.symbol(item)));
     }
 
     /// Nothing of a library runs by itself.

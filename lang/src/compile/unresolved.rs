@@ -11,7 +11,7 @@ use crate::number::begins_like_number;
 use crate::number::unit_names;
 use crate::source::Span;
 use crate::suggest::suggest;
-use crate::symbol::Symbol;
+use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{self, NodeId};
 
 impl Compiler<'_> {
@@ -20,8 +20,13 @@ impl Compiler<'_> {
             let name = self.program.globals[global as usize].name;
             self.program.names.remove(&name);
             let text = self.symbols.name(name).to_string();
-            let span = find_name(&self.program.sources, span, &text).unwrap_or(span);
-            if self.program.macros.contains_key(&name) {
+            if self.would_be_defined(&text) {
+                continue;
+            }
+            let span = self.place_of_name(span, &text);
+            if let Some((Qualifier::Library, missing)) = Qualifier::split(&text) {
+                self.not_in_library(span, missing);
+            } else if self.program.macros.contains_key(&name) {
                 self.error(
                     "macro-before-definition",
                     span,
@@ -32,13 +37,7 @@ impl Compiler<'_> {
             } else if let Some(accessor) = text.strip_prefix("%set-") {
                 self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
             } else if self.robot_names.contains(&text) {
-                self.error(
-                    "needs-a-world",
-                    span,
-                    format!("`{text}` belongs to the robot, and there is none"),
-                    "needs a world",
-                )
-                .help = Some("add `--world dept` to the command".into());
+                self.needs_a_world(span, &text);
             } else if self.scenario_names.contains(&text) {
                 self.error(
                     "needs-a-scenario",
@@ -65,6 +64,56 @@ impl Compiler<'_> {
                     help;
             }
         }
+    }
+
+    /// Whether a macro that could not be expanded may have defined the name: some words of it name what that was
+    /// called with.
+    fn would_be_defined(&self, text: &str) -> bool {
+        if self.unexpanded.is_empty() {
+            return false;
+        }
+        let begins = std::iter::once(0).chain(text.match_indices('-').map(|(at, _)| at + 1));
+        let is_unexpanded = |part: &str| self.symbols.find(part).is_some_and(|name| self.unexpanded.contains(&name));
+        begins.into_iter().any(|begin| {
+            let rest = &text[begin..];
+            let ends = rest.match_indices('-').map(|(at, _)| at).chain([rest.len()]);
+            ends.into_iter().any(|end| is_unexpanded(&rest[..end]))
+        })
+    }
+
+    /// Where a name stands in the text of a form, with a qualifier or without; else the form.
+    fn place_of_name(&self, within: Span, text: &str) -> Span {
+        let sources = &self.program.sources;
+        let of_program = || find_name(sources, within, &format!("{}{text}", Qualifier::Global.prefix()));
+        find_name(sources, within, text).or_else(of_program).unwrap_or(within)
+    }
+
+    fn needs_a_world(&mut self, span: Span, text: &str) {
+        let message = format!("`{text}` belongs to the robot, and there is none");
+        self.error("needs-a-world", span, message, "needs a world").help =
+            Some("add `--world dept` to the command".into());
+    }
+
+    /// A name with the qualifier of the library that the library does not have.
+    fn not_in_library(&mut self, span: Span, text: &str) {
+        if self.robot_names.iter().any(|known| known == text) {
+            return self.needs_a_world(span, text);
+        }
+        let own = self
+            .symbols
+            .find(text)
+            .filter(|name| self.program.names.contains_key(name) || self.program.macros.contains_key(name));
+        let library = self.library.unwrap_or(self.program);
+        let known = library.names.keys().chain(library.macros.keys()).map(|&name| self.symbols.name(name));
+        let natives = self.natives.iter().map(|native| native.name.as_str());
+        let known = known.chain(natives).chain(special_names().map(|(name, _)| name));
+        let near = suggest(text, known.filter(|name| !name.starts_with(['%', '#'])));
+        let help = match (own, near) {
+            (Some(_), _) => Some(format!("the program's own is `global:{text}`")),
+            (None, Some(near)) => Some(format!("did you mean `library:{near}`?")),
+            (None, None) => None,
+        };
+        self.error("unbound-name", span, format!("the library has no `{text}`"), "unknown name").help = help;
     }
 
     /// Notes that a class of failure is handled or raised.

@@ -5,12 +5,55 @@
 use crate::state::heap::Heap;
 use crate::state::value::{TaskRef, Value};
 use rpl_lang::source::Span;
-use rpl_lang::symbol::Symbols;
+use rpl_lang::symbol::{Symbol, Symbols};
 use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which pair was made from which list, so that what a macro passes on keeps its place.
-pub(crate) type Origins = BTreeMap<u32, NodeId>;
+/// Where the values that a macro is given stand in the text, so that what it passes on keeps its place.
+#[derive(Default)]
+pub(crate) struct Origins {
+    /// The list that was made from a list of the text, by its first pair.
+    lists: BTreeMap<u32, NodeId>,
+    /// Symbols of the text that came back in their list.
+    kept: Vec<NodeId>,
+    /// Symbols that came back elsewhere.
+    loose: Vec<NodeId>,
+}
+
+impl Origins {
+    /// The list of the text that a pair is of, and the first pair of that list.
+    fn list_around(&self, tree: &Tree, pair: u32) -> Option<(u32, NodeId)> {
+        let (&first, &list) = self.lists.range(..=pair).next_back()?;
+        (((pair - first) as usize) < tree.items(list).len()).then_some((first, list))
+    }
+
+    /// Gives a symbol that a macro has taken out of its list, such as the name in the header of a loop, its place in
+    /// the call, if it stands there once.
+    pub(crate) fn place_loose(mut self, tree: &mut Tree, call: NodeId) {
+        if self.loose.is_empty() {
+            return;
+        }
+        self.kept.sort_unstable();
+        let mut places: BTreeMap<Symbol, Vec<NodeId>> =
+            self.loose.iter().filter_map(|&node| Some((tree.plain_symbol(node)?, Vec::new()))).collect();
+        let mut waiting = tree.items(call)[1..].to_vec();
+        while let Some(node) = waiting.pop() {
+            let found = tree.plain_symbol(node).and_then(|name| places.get_mut(&name));
+            if let Some(found) = found.filter(|found| found.len() < 2)
+                && self.kept.binary_search(&node).is_err()
+            {
+                found.push(node);
+            }
+            waiting.extend(tree.items(node).iter().chain(tree.elements(node)));
+        }
+        for node in self.loose {
+            let places = tree.plain_symbol(node).and_then(|name| places.get(&name));
+            if let Some([place]) = places.map(Vec::as_slice) {
+                tree.nodes[node.0 as usize].span = tree.span(*place);
+            }
+        }
+    }
+}
 
 /// What macros have in place of an object in a datum: the name of a task that there never is.
 fn stand_in(object: u32) -> TaskRef {
@@ -57,6 +100,7 @@ pub(crate) fn to_value(heap: &mut Heap, symbols: &Symbols, tree: &Tree, node: No
                 "t" => Value::True,
                 _ => Value::Symbol(*symbol),
             },
+            NodeKind::Qualified { written, .. } => Value::Symbol(*written),
             NodeKind::Keyword(symbol) => Value::Keyword(*symbol),
             NodeKind::Int(value) => Value::Int(*value),
             NodeKind::Float(value) => Value::Float(*value),
@@ -73,7 +117,7 @@ fn list_of(heap: &mut Heap, tree: &Tree, node: NodeId, mut items: Vec<Value>, or
     let tail = if dotted { items.pop().unwrap_or_default() } else { Value::Nil };
     let list = heap.list_with_tail(&items, tail);
     if let Value::Cons(pair) = list {
-        origins.insert(pair, node);
+        origins.lists.insert(pair, node);
     }
     list
 }
@@ -91,7 +135,7 @@ pub(crate) enum Unfit {
     TooLarge,
 }
 
-/// A value as a node. Lists that came from the text keep their nodes if they are unchanged;
+/// A value as a node. What came from the text keeps its place in lists of the text;
 /// everything new stands at `span`. Objects without a text form are collected in `objects`.
 ///
 /// # Errors
@@ -103,12 +147,16 @@ pub(crate) fn to_node(
     tree: &mut Tree,
     value: Value,
     span: Span,
-    origins: &Origins,
+    mut origins: Option<&mut Origins>,
     objects: &mut Vec<Value>,
     most: usize,
 ) -> Result<NodeId, Unfit> {
     if !matches!(value, Value::Cons(_) | Value::Vector(_)) {
-        return Ok(leaf(heap, symbols, tree, value, span, objects));
+        let node = leaf(heap, symbols, tree, value, span, objects);
+        if let Some(origins) = origins {
+            origins.loose.push(node);
+        }
+        return Ok(node);
     }
     let mut builder = NodeBuilder { heap, open: Vec::new(), nodes: Vec::new(), on_path: BTreeSet::new() };
     builder.open(value)?;
@@ -119,13 +167,20 @@ pub(crate) fn to_node(
             return Err(Unfit::TooLarge);
         }
         match builder.next()? {
-            Some(Walked::Item(item @ (Value::Cons(_) | Value::Vector(_)))) => builder.open(item)?,
-            Some(Walked::Item(atom)) => builder.nodes.push(leaf(heap, symbols, tree, atom, span, objects)),
+            Some(Walked::Item(item @ (Value::Cons(_) | Value::Vector(_)), _)) => builder.open(item)?,
+            Some(Walked::Item(atom, pair)) => {
+                let node = leaf(heap, symbols, tree, atom, span, objects);
+                builder.nodes.push(node);
+                if let Some(origins) = origins.as_deref_mut() {
+                    builder.place(tree, origins, node, pair);
+                }
+            }
             Some(Walked::End { dotted }) => {
                 let Some((first, items)) = builder.close() else { continue };
                 let node = match first {
                     Value::Cons(first) => {
-                        let place = origins.get(&first).map_or(span, |&origin| tree.span(origin));
+                        let text = origins.as_deref().and_then(|origins| origins.lists.get(&first));
+                        let place = text.map_or(span, |&text| tree.span(text));
                         tree.list_with_tail(&items, dotted, place)
                     }
                     _ => tree.vector(&items, span),
@@ -151,7 +206,7 @@ fn leaf(
         Value::True => NodeKind::Symbol(symbols.intern("t")),
         Value::Int(value) => NodeKind::Int(value),
         Value::Float(value) => NodeKind::Float(value),
-        Value::Symbol(symbol) => NodeKind::Symbol(symbol),
+        Value::Symbol(symbol) => NodeKind::of_symbol(symbols, symbol),
         Value::Keyword(symbol) => NodeKind::Keyword(symbol),
         Value::Str(text) => NodeKind::Str(heap.strings[text].text.clone()),
         Value::Task(task) if task == stand_in(task.index) => NodeKind::Object(task.index),
@@ -185,11 +240,14 @@ struct Walk {
     passed: usize,
     /// Nodes that were made before its first item's.
     before: usize,
+    /// The list of the text that its last pair was of, and the first pair of that list.
+    text: Option<(u32, NodeId)>,
 }
 
 /// What a walk comes to.
 enum Walked {
-    Item(Value),
+    /// A value, and the pair whose first half it is.
+    Item(Value, Option<u32>),
     End {
         /// Whether the last item was the tail of a list.
         dotted: bool,
@@ -212,7 +270,7 @@ impl NodeBuilder<'_> {
         {
             return Err(Unfit::Circle);
         }
-        self.open.push(Walk { whole, at: whole, passed: 0, before: self.nodes.len() });
+        self.open.push(Walk { whole, at: whole, passed: 0, before: self.nodes.len(), text: None });
         Ok(())
     }
 
@@ -223,7 +281,7 @@ impl NodeBuilder<'_> {
             (Value::Vector(vector), _) => match self.heap.vectors[vector].elements().get(walk.passed) {
                 Some(&element) => {
                     walk.passed += 1;
-                    Walked::Item(element)
+                    Walked::Item(element, None)
                 }
                 None => Walked::End { dotted: false },
             },
@@ -233,15 +291,37 @@ impl NodeBuilder<'_> {
                 }
                 let (car, cdr) = self.heap.pair(pair);
                 walk.at = cdr;
-                Walked::Item(car)
+                Walked::Item(car, Some(pair))
             }
             (_, Value::Nil) => Walked::End { dotted: false },
             (_, Value::Unbound) => Walked::End { dotted: true },
             (_, tail) => {
                 walk.at = Value::Unbound;
-                Walked::Item(tail)
+                Walked::Item(tail, None)
             }
         }))
+    }
+
+    /// Gives what is no list, and was just made, its place in the text, if it is still where it stood there.
+    fn place(&mut self, tree: &mut Tree, origins: &mut Origins, node: NodeId, pair: Option<u32>) {
+        let text = pair.and_then(|pair| {
+            let walk = self.open.last_mut()?;
+            let is_in = |&(first, list): &(u32, NodeId)| {
+                pair.checked_sub(first).is_some_and(|at| (at as usize) < tree.items(list).len())
+            };
+            walk.text = walk.text.filter(is_in).or_else(|| origins.list_around(tree, pair));
+            let (first, list) = walk.text?;
+            let stood = tree.items(list)[(pair - first) as usize];
+            (tree.get(stood).kind == tree.get(node).kind).then_some(stood)
+        });
+        let is_symbol = tree.plain_symbol(node).is_some();
+        match text {
+            Some(stood) => {
+                tree.nodes[node.0 as usize].span = tree.span(stood);
+                origins.kept.extend(is_symbol.then_some(stood));
+            }
+            None => origins.loose.extend(is_symbol.then_some(node)),
+        }
     }
 
     /// Ends the innermost walk; gives the whole and its items.

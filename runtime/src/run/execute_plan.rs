@@ -2,7 +2,7 @@
 
 use crate::robot::Outside;
 use crate::run::datum;
-use crate::run::datum::{MAX_NODES, Origins, Unfit};
+use crate::run::datum::{MAX_NODES, Unfit};
 use crate::run::library::has_error;
 use crate::run::macro_host::Macros;
 use crate::run::system::System;
@@ -67,9 +67,9 @@ impl<O: Outside> System<O> {
             let span = Span { source, start: 0, end: 0 };
             let machine = &mut self.machine;
             let most = (machine.room() / BYTES_A_NODE).min(MAX_NODES);
-            let (mut tree, mut objects, origins) = (Tree::default(), Vec::new(), Origins::new());
+            let (mut tree, mut objects) = (Tree::default(), Vec::new());
             let Machine { heap, symbols, .. } = machine;
-            match datum::to_node(heap, symbols, &mut tree, datum, span, &origins, &mut objects, most) {
+            match datum::to_node(heap, symbols, &mut tree, datum, span, None, &mut objects, most) {
                 Ok(root) => return Ok((tree, root, objects, source)),
                 Err(Unfit::Circle) => {
                     return Err(Raise::new("error", "the datum is a circular list and cannot be a plan"));

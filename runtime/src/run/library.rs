@@ -169,6 +169,10 @@ impl Library {
         let mut macros = self.macros(program);
         let surroundings = Compilation {
             program,
+            library: match purpose {
+                Purpose::Library => None,
+                Purpose::User => Some(&self.program),
+            },
             symbols,
             natives: &self.signatures,
             macros: &mut macros,
@@ -263,6 +267,7 @@ impl Library {
     ) -> Compiled {
         let surroundings = Compilation {
             program,
+            library: Some(&self.program),
             symbols,
             natives: &self.signatures,
             macros,

@@ -114,7 +114,7 @@ impl MacroHost for MacroMachine {
     ) -> Result<NodeId, Box<Diagnostic>> {
         // The machine interns into the compiler's own table while it runs.
         std::mem::swap(&mut self.machine.symbols, symbols);
-        let mut origins = Origins::new();
+        let mut origins = Origins::default();
         let result = self.run(program, tree, code, form, &mut origins);
         std::mem::swap(&mut self.machine.symbols, symbols);
         let span = tree.span(form);
@@ -122,9 +122,13 @@ impl MacroHost for MacroMachine {
             Ok(value) => {
                 let mut objects = Vec::new();
                 let heap = &self.machine.heap;
-                let node = datum::to_node(heap, symbols, tree, value, span, &origins, &mut objects, MAX_NODES);
+                let node =
+                    datum::to_node(heap, symbols, tree, value, span, Some(&mut origins), &mut objects, MAX_NODES);
                 match (node, objects.first()) {
-                    (Ok(node), None) => Ok(node),
+                    (Ok(node), None) => {
+                        origins.place_loose(tree, form);
+                        Ok(node)
+                    }
                     (Err(Unfit::Circle), _) => {
                         Err(Diagnostic::error("macro", span, "the expansion is a circular list", "in this call"))
                     }

@@ -120,7 +120,7 @@ pub(crate) fn datum_key(tree: &Tree, root: NodeId) -> Option<Vec<u8>> {
             key.extend_from_slice(value);
         };
         match &tree.get(node).kind {
-            NodeKind::Symbol(symbol) => put(b's', &symbol.0.to_le_bytes()),
+            NodeKind::Symbol(written) | NodeKind::Qualified { written, .. } => put(b's', &written.0.to_le_bytes()),
             NodeKind::Keyword(symbol) => put(b'k', &symbol.0.to_le_bytes()),
             NodeKind::Int(value) => put(b'i', &value.to_le_bytes()),
             NodeKind::Float(value) => put(b'f', &value.to_le_bytes()),

@@ -105,6 +105,7 @@ impl Emitter<'_, '_> {
                 self.default_value(binding, reg);
             }
             self.put_in_cell(binding.variable, reg);
+            self.bind(&binding.parts);
         }
         let result = self.fresh();
         let tail = self.scopes == 0;

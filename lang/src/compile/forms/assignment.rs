@@ -7,6 +7,7 @@ use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::compile::meaning::Meaning;
 use crate::source::Span;
+use crate::symbol::Qualifier;
 use crate::syntax::NodeId;
 
 pub(super) const FORMS: &[SpecialForm] = &[
@@ -45,12 +46,13 @@ impl Compiler<'_> {
     }
 
     fn assign(&mut self, place: NodeId, value: NodeId, span: Span) -> Ir {
-        let Some(name) = self.tree.symbol(place).filter(|&name| self.is_bindable(name)) else {
+        let name = self.tree.name(place).filter(|&(_, name)| self.is_bindable(name));
+        let Some((qualifier, name)) = name else {
             let place = self.tree.span(place);
             return self.malformed(place, "a name that can be assigned");
         };
         let value = Box::new(self.resolve(value));
-        match self.meaning(name, self.tree.span(place)) {
+        match self.meaning(qualifier, name, self.tree.span(place)) {
             Meaning::Local(variable) => {
                 self.variables[variable.0 as usize].assigned = true;
                 if self.is_network() {
@@ -149,7 +151,7 @@ impl Compiler<'_> {
     fn set_slot(&mut self, setter: &str, place: NodeId, value: NodeId, span: Span) -> Ir {
         let setter = self.symbols.intern(setter);
         let at = self.tree.span(place);
-        let Meaning::Global(global) = self.meaning(setter, at) else {
+        let Meaning::Global(global) = self.meaning(Some(Qualifier::Global), setter, at) else {
             self.not_a_place(at, "this is not a place that can be assigned".to_string());
             return self.nil(span);
         };

@@ -1,9 +1,10 @@
 //! Names bound around forms: variables, and the parameters of functions.
 
-use super::special_form::{Role, SpecialForm};
+use super::special_form::{Role, SpecialForm, Written};
 use crate::code::CodeKind;
 use crate::compile::compiler::{Compiler, thunk};
 use crate::compile::ir::{Function, Ir, IrKind};
+use crate::compile::pattern::Lists;
 use crate::layout::ItemShape::{Bindings, Data};
 use crate::layout::Layout;
 use crate::layout::Style::Body;
@@ -37,6 +38,14 @@ pub(super) const FORMS: &[SpecialForm] = &[
         role: Role::Plain(|compiler, written| compiler.letrec(written.rest(), written.span)),
     },
     SpecialForm {
+        names: &["destructuring-bind"],
+        form: "(destructuring-bind (PARAMETER...) LIST FORM...)",
+        doc: "Binds the names of a parameter list to the elements of a list and runs the forms. A parameter may be such a list itself.",
+        example: "(destructuring-bind (item (from to) &key (due 9)) '(cup (kitchen hall) :due 7)\n  (print (list item from to due)))",
+        layout: Some(Layout::with(Body(2), &[Data])),
+        role: Role::Plain(|compiler, written| compiler.destructuring_bind(written)),
+    },
+    SpecialForm {
         names: &["lambda", "fn"],
         form: "(lambda (PARAMETER...) FORM...)",
         doc: "A function that remembers the variables around it.",
@@ -61,6 +70,9 @@ impl Compiler<'_> {
                 Some(items) => items.to_vec(),
                 None => vec![binding],
             };
+            if items.first().is_some_and(|&name| self.refuses_to_bind(name)) {
+                continue;
+            }
             let name = items.first().and_then(|&name| self.tree.symbol(name));
             let Some(name) = name.filter(|&name| self.is_bindable(name) && items.len() <= 2) else {
                 self.malformed(place, "`(NAME VALUE)`");
@@ -96,6 +108,9 @@ impl Compiler<'_> {
         for binding in bindings {
             let place = self.tree.span(binding);
             let items = self.tree.proper_list(binding).map(<[NodeId]>::to_vec).unwrap_or_default();
+            if items.first().is_some_and(|&name| self.refuses_to_bind(name)) {
+                continue;
+            }
             let name = items.first().and_then(|&name| self.tree.symbol(name));
             let (Some(name), 2) = (name.filter(|&name| self.is_bindable(name)), items.len()) else {
                 self.malformed(place, "`(NAME VALUE)`");
@@ -116,21 +131,39 @@ impl Compiler<'_> {
         Ir { span, kind: IrKind::Let(bound, Box::new(Ir { span, kind: IrKind::Seq(forms) })) }
     }
 
+    /// `(destructuring-bind (PARAMETER...) LIST FORM...)`
+    fn destructuring_bind(&mut self, written: &Written<'_>) -> Ir {
+        let span = written.span;
+        let [parameters, value, body @ ..] = written.rest() else {
+            return self.malformed(span, "`(destructuring-bind (PARAMETER...) LIST FORM...)`");
+        };
+        let value = self.resolve(*value);
+        let before = self.bindings.len();
+        let list = self.new_list(span);
+        let mut bound = vec![(list, value)];
+        bound.extend(self.taken_apart(*parameters, list));
+        let body = self.body(body, span);
+        self.bindings.truncate(before);
+        Ir { span, kind: IrKind::Let(bound, Box::new(body)) }
+    }
+
     fn lambda(&mut self, rest: &[NodeId], span: Span) -> Ir {
         let Some((&parameters, body)) = rest.split_first() else {
             return self.malformed(span, "`(lambda (PARAMETER...) FORM...)`");
         };
         let name = self.symbols.intern("lambda");
-        let function = self.function(name, CodeKind::Function, parameters, body, span);
+        let function = self.function(name, CodeKind::Function, parameters, Lists::Refused, body, span);
         Ir { span, kind: IrKind::Lambda(Box::new(function)) }
     }
 
     /// A function with parameters and a body. The root of a definition has tags of its own.
+    #[allow(clippy::too_many_arguments, reason = "what a function is made of")]
     pub(super) fn function(
         &mut self,
         name: Symbol,
         kind: CodeKind,
         parameters: NodeId,
+        lists: Lists,
         body: &[NodeId],
         span: Span,
     ) -> Function {
@@ -139,7 +172,7 @@ impl Compiler<'_> {
             if root {
                 compiler.find_tags(body);
             }
-            let (parameters, bindings) = compiler.lambda_list(parameters);
+            let (parameters, bindings) = compiler.lambda_list(parameters, lists);
             let body = compiler.body(body, span);
             (parameters, bindings, body)
         });

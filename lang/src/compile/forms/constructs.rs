@@ -167,6 +167,9 @@ impl Compiler<'_> {
     fn map_children(&mut self, quorum: Quorum, written: &Written<'_>) -> Ir {
         let (name, rest, span) = (written.form.name(), written.rest(), written.span);
         let header = rest.first().map(|&header| self.tree.items(header).to_vec()).unwrap_or_default();
+        if header.first().is_some_and(|&name| self.refuses_to_bind(name)) {
+            return self.nil(span);
+        }
         let variable = header.first().and_then(|&name| self.tree.symbol(name));
         let (Some(variable), [_, list]) = (variable.filter(|&name| self.is_bindable(name)), header.as_slice()) else {
             return self.malformed(span, &format!("`({name} (NAME LIST) FORM...)`"));
@@ -180,7 +183,13 @@ impl Compiler<'_> {
         });
         let mut body = thunk(body_name, CodeKind::Task, body, scope, span);
         body.parameters = Parameters { required: 1, ..Parameters::default() };
-        body.bindings = vec![ParameterBinding { variable: element, default: None, given: None, omissible: false }];
+        body.bindings = vec![ParameterBinding {
+            variable: element,
+            default: None,
+            given: None,
+            omissible: false,
+            parts: Vec::new(),
+        }];
         let children = vec![ChildIr { body, tag: None, name: None }];
         let construct = ConstructIr { quorum, name: body_name, children, order: Vec::new(), argument: None };
         Ir { span, kind: IrKind::ConstructMap(Box::new(construct), Box::new(list)) }

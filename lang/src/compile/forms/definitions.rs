@@ -6,6 +6,7 @@ use crate::compile::compilation::Purpose;
 use crate::compile::compiler::{Compiler, thunk};
 use crate::compile::emit;
 use crate::compile::ir::{Ir, IrKind};
+use crate::compile::pattern::Lists;
 use crate::compile::resolved::{Defined, TopLevel};
 use crate::layout::ItemShape::{Data, Form};
 use crate::layout::Layout;
@@ -124,10 +125,13 @@ pub(super) const FORMS: &[SpecialForm] = &[
 impl Compiler<'_> {
     /// The name a definition gives, unless it is one that cannot be defined.
     fn defined_name(&mut self, node: Option<&NodeId>, form: &str, span: Span) -> Option<Symbol> {
-        let Some(name) = node.and_then(|&node| self.tree.symbol(node)) else {
+        let Some((&node, name)) = node.and_then(|node| Some((node, self.tree.symbol(*node)?))) else {
             self.malformed(span, form);
             return None;
         };
+        if self.refuses_to_bind(node) {
+            return None;
+        }
         let text = self.symbols.name(name).to_string();
         if !self.is_bindable(name) || self.specials.contains_key(&name) {
             self.error(
@@ -168,9 +172,8 @@ impl Compiler<'_> {
         let (doc, skip) = self.documentation(&rest[2..]);
         // The name is known inside the body, so that a function can call itself.
         let global = self.define_global(name, GlobalKind::Function(u32::MAX), doc.clone(), Some(span));
-        self.program.macros.remove(&name);
         self.program.resumptions.retain(|&known| known != name);
-        let mut function = self.function(name, kind, parameters, &rest[2 + skip..], span);
+        let mut function = self.function(name, kind, parameters, Lists::Refused, &rest[2 + skip..], span);
         function.doc = doc;
         let code = emit::emit(self, &function, &[]);
         self.program.globals[global as usize].kind = GlobalKind::Function(code);
@@ -200,11 +203,16 @@ impl Compiler<'_> {
         };
         let (doc, skip) = self.documentation(&rest[2..]);
         let errors = self.diagnostics.len();
-        let mut function = self.function(name, CodeKind::Function, parameters, &rest[2 + skip..], span);
+        self.in_macro = true;
+        let mut function = self.function(name, CodeKind::Function, parameters, Lists::Taken, &rest[2 + skip..], span);
+        self.in_macro = false;
         function.doc = doc;
         let code = emit::emit(self, &function, &[]);
         if self.diagnostics.len() == errors {
             self.program.macros.insert(name, code);
+            self.broken_macros.remove(&name);
+        } else {
+            self.broken_macros.insert(name);
         }
         self.note_definition(name, span, Defined::Macro(function));
     }
@@ -276,6 +284,9 @@ impl Compiler<'_> {
     /// `(def-failure NAME (PARENT) (SLOT...))`
     fn define_failure(&mut self, rest: &[NodeId], span: Span) {
         let form = "`(def-failure NAME (PARENT) (SLOT...))`";
+        if rest.first().is_some_and(|&name| self.refuses_to_bind(name)) {
+            return;
+        }
         let Some(name) = rest.first().and_then(|&name| self.tree.symbol(name)) else {
             self.malformed(span, form);
             return;

@@ -4,7 +4,7 @@
 use crate::code::{CodeKind, GlobalKind};
 use crate::compile::compiler::{Compiler, Methods};
 use crate::source::Span;
-use crate::symbol::Symbol;
+use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{NodeId, NodeKind};
 use std::sync::Arc;
 
@@ -97,7 +97,7 @@ impl Compiler<'_> {
 
     /// `(def-plan achieve-NAME (P...) (try-in-order (METHOD P...) ...))`
     fn define_trying(&mut self, plan: Symbol, methods: &Methods, parameters: &[NodeId], span: Span) {
-        let mut tries = vec![self.symbol_node("try-in-order", span)];
+        let mut tries = vec![self.library_node("try-in-order", span)];
         for &method in &methods.plans {
             let method = self.tree.atom(NodeKind::Symbol(method), span);
             let call = [&[method], parameters].concat();
@@ -107,8 +107,9 @@ impl Compiler<'_> {
         self.define_plan(plan, methods.parameters, &[body], span);
     }
 
-    fn symbol_node(&mut self, name: &str, span: Span) -> NodeId {
+    fn library_node(&mut self, name: &str, span: Span) -> NodeId {
         let name = self.symbols.intern(name);
-        self.tree.atom(NodeKind::Symbol(name), span)
+        let written = self.symbols.qualified(Qualifier::Library, name);
+        self.tree.atom(NodeKind::Qualified { written, qualifier: Qualifier::Library, name }, span)
     }
 }

@@ -80,6 +80,7 @@ impl Compiler<'_> {
         let parameter = self.list_items(items[1]);
         let name = match parameter.as_deref() {
             Some([]) => None,
+            Some([name]) if self.refuses_to_bind(*name) => return None,
             Some([name]) if self.tree.symbol(*name).is_some() => self.tree.symbol(*name),
             _ => {
                 self.malformed(span, form);

@@ -52,12 +52,15 @@ impl Compiler<'_> {
 
     /// Name, variable and body of `(:tag NAME FORM...)` or `(process NAME FORM...)`.
     pub(super) fn tag_parts(&mut self, items: &[NodeId]) -> Option<(Symbol, VarId, Vec<NodeId>)> {
-        let is_tag = match self.tree.get(*items.first()?).kind {
-            NodeKind::Keyword(word) => self.symbols.name(word) == "tag",
-            NodeKind::Symbol(word) => self.symbols.name(word) == "process",
+        let &head = items.first()?;
+        let is_tag = match (&self.tree.get(head).kind, self.tree.name(head)) {
+            (&NodeKind::Keyword(word), _) => self.symbols.name(word) == "tag",
+            (_, Some((qualifier, word))) => {
+                self.symbols.name(word) == "process" && !self.is_lexically_bound(qualifier, word)
+            }
             _ => false,
         };
-        let name = self.tree.symbol(*items.get(1)?)?;
+        let name = self.tree.plain_symbol(*items.get(1)?)?;
         if !is_tag || !self.is_bindable(name) {
             return None;
         }
