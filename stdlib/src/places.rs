@@ -18,6 +18,9 @@ fn set_half(call: &mut Call<'_, '_>, way: &[u8], letter: u8) -> NativeResult {
             other => call.machine.wrong_type(&format!("a part of {}", call.which(0)), Kind::List.noun(), other),
         });
     };
+    if call.machine.heap.is_frozen(pair) {
+        return Err(call.machine.frozen(pair));
+    }
     let new = call.argument(1);
     if letter == b'a' {
         *call.machine.heap.pairs.car_mut(index) = new;
@@ -34,6 +37,9 @@ fn set_element(call: &mut Call<'_, '_>, list: usize, position: usize, new: Value
     let length = spine.passed();
     call.burn_walk(length);
     if let Some((pair, _)) = found {
+        if call.machine.heap.pairs.is_frozen(pair) {
+            return Err(call.machine.frozen(Value::Cons(pair)));
+        }
         *call.machine.heap.pairs.car_mut(pair) = new;
         return value(new);
     }

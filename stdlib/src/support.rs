@@ -204,6 +204,9 @@ fn assign_slot(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(pair) = call.machine.heap.slot(&record, &kind, place) else {
         return Err(call.machine.no_slot_to_set(call.around.program, record, kind, place));
     };
+    if call.machine.heap.pairs.is_frozen(pair) {
+        return Err(call.machine.frozen(record));
+    }
     *call.machine.heap.pairs.car_mut(pair) = call.argument(3);
     value(call.argument(3))
 }

@@ -69,9 +69,18 @@ fn gethash(call: &mut Call<'_, '_>) -> NativeResult {
 fn set_gethash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
     let content = call.arguments.last().copied().unwrap_or_default();
+    changeable(call, table)?;
     room_for(call, table_entry(&key))?;
     call.machine.heap.enter(table, key, content);
     value(content)
+}
+
+/// Refuses to change a table that is frozen.
+fn changeable(call: &Call<'_, '_>, table: u32) -> Result<(), Raise> {
+    match call.machine.heap.tables[table].is_frozen() {
+        true => Err(call.machine.frozen(Value::Table(table))),
+        false => Ok(()),
+    }
 }
 
 fn contains(call: &mut Call<'_, '_>) -> NativeResult {
@@ -81,11 +90,13 @@ fn contains(call: &mut Call<'_, '_>) -> NativeResult {
 
 fn remhash(call: &mut Call<'_, '_>) -> NativeResult {
     let (key, table) = key_and_table(call, 1)?;
+    changeable(call, table)?;
     truth(call.machine.heap.remove_entry(table, &key))
 }
 
 fn clrhash(call: &mut Call<'_, '_>) -> NativeResult {
     let table = table(call, 0)?;
+    changeable(call, table)?;
     call.burn(call.machine.heap.tables[table].len());
     call.machine.heap.tables[table].clear();
     value(call.argument(0))

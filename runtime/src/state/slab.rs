@@ -148,7 +148,7 @@ fn is_free_list(free: &[u32], slots: usize, is_free: impl Fn(usize) -> bool) -> 
 }
 
 /// One bit for each slot of a slab.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Marks(Vec<u64>);
 
 impl Marks {
@@ -174,6 +174,31 @@ impl Marks {
     pub fn last(&self) -> Option<u32> {
         let word = self.0.iter().rposition(|&word| word != 0)?;
         Some(word as u32 * 64 + 63 - self.0[word].leading_zeros())
+    }
+
+    /// Whether the bit is there and set.
+    #[inline]
+    pub fn has(&self, index: u32) -> bool {
+        self.0.get(index as usize / 64).is_some_and(|word| word & (1 << (index % 64)) != 0)
+    }
+
+    /// Makes room for a bit.
+    pub fn grow(&mut self, index: u32) {
+        let words = index as usize / 64 + 1;
+        if self.0.len() < words {
+            self.0.resize(words, 0);
+        }
+    }
+
+    /// Clears what is not set in the other, which has room for all that is set here, and gives room back at the end.
+    pub fn keep_those_of(&mut self, others: &Marks) {
+        self.0.iter_mut().zip(&others.0).for_each(|(word, other)| *word &= other);
+        self.0.truncate(self.0.iter().rposition(|&word| word != 0).map_or(0, |last| last + 1));
+    }
+
+    /// Bytes it takes.
+    pub fn bytes(&self) -> usize {
+        self.0.len() * size_of::<u64>()
     }
 
     /// Whether the bit is set.

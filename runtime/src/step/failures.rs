@@ -71,9 +71,26 @@ impl Machine {
         is_record.map_or_else(|raise| raise, |()| self.no_element_to_set(record, position))
     }
 
+    /// The error for a change of what a fluent has or had as its value.
+    #[cold]
+    pub fn frozen(&self, value: Value) -> Raise {
+        let (what, place) = match value {
+            Value::Table(_) => ("hash table", "(gethash KEY (value FLUENT))"),
+            Value::Vector(_) => ("vector", "(vref (value FLUENT) I)"),
+            _ => ("list", "(nth I (value FLUENT))"),
+        };
+        Raise::type_error(format!(
+            "this {what} is, or was, a part of a fluent's value, and such values never change: whoever waits for the \
+             fluent would not be told; write `(setf {place} …)`, which assigns a changed copy"
+        ))
+    }
+
     /// The error for a place beyond the end of a list.
     #[cold]
     pub fn no_element_to_set(&self, list: Value, position: usize) -> Raise {
+        if self.heap.is_frozen(list) {
+            return self.frozen(list);
+        }
         let length = self.heap.spine(list).count();
         Raise::new("index-error", format!("there is no element {position} to set: the length is {length}"))
     }
@@ -87,7 +104,11 @@ impl Machine {
         let Value::Int(position) = position else {
             return self.wrong_type(&format!("argument 2 of `{form}`"), Kind::Integer.noun(), position);
         };
-        let message = match self.heap.vectors[index].elements().len() {
+        let length = self.heap.vectors[index].elements().len();
+        if self.heap.is_frozen(vector) && usize::try_from(position).is_ok_and(|position| position < length) {
+            return self.frozen(vector);
+        }
+        let message = match length {
             0 => format!("there is no element {position}: the vector is empty"),
             length => format!("there is no element {position}: the vector has the positions 0 to {}", length - 1),
         };

@@ -1,7 +1,7 @@
 //! Assignment of variables and places.
 
 use super::special_form::{Role, SpecialForm};
-use crate::code::GlobalKind;
+use crate::code::{Atom, GlobalKind};
 use crate::compile::compilation::describe_arity;
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Callee, Ir, IrKind};
@@ -129,6 +129,9 @@ impl Compiler<'_> {
             self.not_a_place(at, "this is not a place that can be assigned".to_string());
             return self.nil(span);
         };
+        if let Some((fluent, steps)) = self.way_from_value(place) {
+            return self.set_within(fluent, &steps, value, span);
+        }
         let setter = format!("%set-{accessor}");
         let Some(number) = self.natives.iter().position(|native| native.name == setter) else {
             return self.set_slot(&setter, place, value, span);
@@ -144,6 +147,58 @@ impl Compiler<'_> {
             self.arity_error(&accessor, arguments.len() - 1, &expected, span);
         }
         Ir { span, kind: IrKind::Call(Callee::Native(number as u16), arguments) }
+    }
+
+    /// For a place within `(value FLUENT)`: the fluent, and the accessors that lead to it from the place, each with its
+    /// other argument.
+    fn way_from_value(&self, place: NodeId) -> Option<(NodeId, Vec<(NodeId, Option<NodeId>)>)> {
+        let (mut steps, mut at) = (Vec::new(), place);
+        loop {
+            let items = self.tree.proper_list(at)?;
+            let (qualifier, name) = self.tree.name(*items.first()?)?;
+            if self.is_lexically_bound(qualifier, name) {
+                return None;
+            }
+            let (within, argument) = match (self.symbols.name(name), items) {
+                ("value", &[_, fluent]) => return (!steps.is_empty()).then_some((fluent, steps)),
+                ("nth" | "gethash", &[_, argument, within]) | ("elt" | "vref", &[_, within, argument]) => {
+                    (within, Some(argument))
+                }
+                (_, &[_, within]) => (within, None),
+                _ => return None,
+            };
+            steps.push((items[0], argument));
+            at = within;
+        }
+    }
+
+    /// What a fluent has never changes: it is assigned a copy that differs at the place.
+    fn set_within(&mut self, fluent: NodeId, steps: &[(NodeId, Option<NodeId>)], value: NodeId, span: Span) -> Ir {
+        let mut arguments = vec![self.resolve(fluent), self.resolve(value)];
+        for &(accessor, argument) in steps {
+            let at = self.tree.span(accessor);
+            let Some((_, name)) = self.tree.name(accessor) else { continue };
+            let setter = format!("%set-{}", self.symbols.name(name));
+            let is_native = self.natives.iter().any(|native| native.name == setter);
+            arguments.push(match is_native {
+                true => {
+                    let name = self.constant(Atom::Symbol(name));
+                    Ir { span: at, kind: IrKind::Const(name) }
+                }
+                false => {
+                    let setter = self.symbols.intern(&setter);
+                    match self.meaning(Some(Qualifier::Global), setter, at) {
+                        Meaning::Global(global) => Ir { span: at, kind: IrKind::Global(global) },
+                        Meaning::Local(_) | Meaning::Native(_) => self.nil(at),
+                    }
+                }
+            });
+            arguments.push(match argument {
+                Some(argument) => self.resolve(argument),
+                None => self.nil(at),
+            });
+        }
+        self.native_ir("%set-within", arguments, span)
     }
 
     /// A slot of what `defstruct` defined, perhaps further down: whether there is one is known when

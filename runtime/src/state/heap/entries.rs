@@ -67,10 +67,13 @@ impl Heap {
         Some(self.tables[table].atom(&self.strings, of, hash))
     }
 
-    /// Sets the value of a key without parts; tells whether it is one, and that a table.
+    /// Sets the value of a key without parts; tells whether it is one, and that a table which may be changed.
     #[inline]
     pub(crate) fn set_atom_entry(&mut self, table: &Value, of: &Value, value: &Value) -> bool {
         let (&Value::Table(table), false) = (table, has_parts(of)) else { return false };
+        if self.tables[table].is_frozen() {
+            return false;
+        }
         if let Some(entry) = self.tables[table].last_mut(of) {
             entry.value.set(value);
             return true;

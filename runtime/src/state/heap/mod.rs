@@ -3,6 +3,7 @@
 mod captured;
 mod entries;
 mod equality;
+mod frozen;
 mod key;
 mod merge;
 mod pairs;

@@ -61,11 +61,13 @@ pub struct Pairs {
     others: Slab<Value>,
     /// The free place that is used next; [`NONE`] if there is none.
     free: u32,
+    /// Those that never change, as far as there are any.
+    frozen: Marks,
 }
 
 impl Default for Pairs {
     fn default() -> Self {
-        Self { cars: Vec::new(), tails: Vec::new(), others: Slab::default(), free: NONE }
+        Self { cars: Vec::new(), tails: Vec::new(), others: Slab::default(), free: NONE, frozen: Marks::default() }
     }
 }
 
@@ -92,6 +94,18 @@ impl Pairs {
     pub fn next(&self, pair: u32) -> Option<u32> {
         let Tail(next) = self.tails[pair as usize];
         (next < OTHER).then_some(next)
+    }
+
+    /// Whether a pair never changes.
+    #[inline]
+    pub fn is_frozen(&self, pair: u32) -> bool {
+        self.frozen.has(pair)
+    }
+
+    /// From now on a pair never changes; tells whether it could until now.
+    pub(super) fn freeze(&mut self, pair: u32) -> bool {
+        self.frozen.grow(pair);
+        self.frozen.set(pair)
     }
 
     /// What follows a pair.
@@ -262,6 +276,7 @@ impl Pairs {
         }
         self.cars.truncate(used);
         self.tails.truncate(used);
+        self.frozen.keep_those_of(marks);
         give_back(&mut self.cars, slack);
         give_back(&mut self.tails, slack);
         self.free = NONE;
@@ -289,7 +304,7 @@ impl Pairs {
 
     /// Bytes of the tables.
     pub(super) fn bytes(&self) -> usize {
-        self.cars.len() * PAIR + self.others.slots() * OTHER_TAIL
+        self.cars.len() * PAIR + self.others.slots() * OTHER_TAIL + self.frozen.bytes()
     }
 
     /// Whether the places that are free are those without a pair, each once, what lies apart belongs to one pair each, and
@@ -313,6 +328,7 @@ impl Pairs {
             && self.tails.iter().enumerate().all(are_followed)
             && self.are_others_whole()
             && self.is_free_list_whole()
+            && self.frozen.last().is_none_or(|last| (last as usize) < places)
     }
 
     fn are_others_whole(&self) -> bool {

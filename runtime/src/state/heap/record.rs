@@ -38,6 +38,9 @@ impl Heap {
     pub fn access_slot(&mut self, slot: &SlotAccess, registers: &mut [Value]) -> bool {
         let [first, behind @ ..] = registers else { return false };
         let Some(pair) = self.behind_kind(first, slot.kind, slot.place.into()) else { return false };
+        if slot.assigns && self.pairs.is_frozen(pair) {
+            return false;
+        }
         let place = self.pairs.car_mut(pair);
         if let (true, Some(assigned)) = (slot.assigns, behind.first()) {
             place.set(assigned);

@@ -2,7 +2,7 @@
 
 use super::captured::Captured;
 use super::pairs::{PAIR, Pairs};
-use super::table::Table;
+use super::table::{Entry, Table};
 use super::text::Text;
 use super::vector::{Vector, vector_elements};
 use crate::state::block::block;
@@ -171,6 +171,13 @@ impl Heap {
         Value::Table(self.tables.insert(Table::default()))
     }
 
+    /// A copy of a hash table that can be changed. Cost: its entries.
+    pub(crate) fn thawed_table(&mut self, table: u32) -> u32 {
+        let copy = self.tables[table].thawed();
+        self.allocated += TABLE + copy.entries().iter().map(Entry::bytes).sum::<usize>();
+        self.tables.insert(copy)
+    }
+
     /// The element of a vector at a position. None if one of the two is of another type, or there is no such element.
     #[inline]
     pub fn element(&self, vector: &Value, position: &Value) -> Option<&Value> {
@@ -178,10 +185,13 @@ impl Heap {
         self.vectors[vector].elements().get(usize::try_from(position).ok()?)
     }
 
-    /// The same to be assigned.
+    /// The same to be assigned, unless the vector is frozen.
     #[inline]
     pub fn element_mut(&mut self, vector: &Value, position: &Value) -> Option<&mut Value> {
         let (&Value::Vector(vector), &Value::Int(position)) = (vector, position) else { return None };
+        if self.vectors[vector].is_frozen() {
+            return None;
+        }
         self.vectors[vector].elements_mut().get_mut(usize::try_from(position).ok()?)
     }
 

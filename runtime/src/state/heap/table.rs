@@ -76,9 +76,28 @@ pub struct Table {
     /// Where the entry stood that an instruction found last: the next one often assigns what this one has read. Only a
     /// guess, and no part of the state.
     last: u32,
+    /// It never changes.
+    is_frozen: bool,
 }
 
 impl Table {
+    /// Whether it never changes.
+    #[inline]
+    pub fn is_frozen(&self) -> bool {
+        self.is_frozen
+    }
+
+    /// From now on it never changes; tells whether it could until now.
+    pub(super) fn freeze(&mut self) -> bool {
+        !std::mem::replace(&mut self.is_frozen, true)
+    }
+
+    /// A copy that can be changed.
+    #[must_use]
+    pub fn thawed(&self) -> Self {
+        Self { is_frozen: false, ..self.clone() }
+    }
+
     /// How many entries it has.
     pub fn len(&self) -> usize {
         self.entries.len()
@@ -202,23 +221,23 @@ impl Table {
 
 impl PartialEq for Table {
     fn eq(&self, other: &Self) -> bool {
-        self.entries == other.entries
+        self.entries == other.entries && self.is_frozen == other.is_frozen
     }
 }
 
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.entries.serialize(serializer)
+        (self.is_frozen, &self.entries).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Table {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let entries = Vec::<Entry>::deserialize(deserializer)?;
+        let (is_frozen, entries) = <(bool, Vec<Entry>)>::deserialize(deserializer)?;
         let mut index = HashTable::new();
         for (place, entry) in entries.iter().enumerate() {
             index.insert_unique(entry.hash, place as u32, |&place| entries[place as usize].hash);
         }
-        Ok(Self { entries, index, last: 0 })
+        Ok(Self { entries, index, last: 0, is_frozen })
     }
 }

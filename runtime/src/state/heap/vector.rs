@@ -7,7 +7,11 @@ use std::sync::Arc;
 
 /// The elements of a vector.
 #[derive(Debug)]
-pub struct Vector(Elements);
+pub struct Vector {
+    elements: Elements,
+    /// It never changes.
+    is_frozen: bool,
+}
 
 /// Whose the elements are.
 #[derive(Debug)]
@@ -21,25 +25,36 @@ enum Elements {
 impl Vector {
     /// A vector of these elements.
     pub fn new(elements: Vec<Value>) -> Self {
-        Self(Elements::Own(elements))
+        Self { elements: Elements::Own(elements), is_frozen: false }
     }
 
     /// The elements.
     #[inline]
     pub fn elements(&self) -> &[Value] {
-        match &self.0 {
+        match &self.elements {
             Elements::Own(elements) => elements,
             Elements::Shared(elements) => elements,
         }
     }
 
+    /// Whether it never changes.
+    #[inline]
+    pub fn is_frozen(&self) -> bool {
+        self.is_frozen
+    }
+
+    /// From now on it never changes; tells whether it could until now.
+    pub(super) fn freeze(&mut self) -> bool {
+        !std::mem::replace(&mut self.is_frozen, true)
+    }
+
     /// The elements, to be written. Copies them if another copy of the run has them too.
     #[inline]
     pub fn elements_mut(&mut self) -> &mut [Value] {
-        if let Elements::Shared(_) = self.0 {
+        if let Elements::Shared(_) = self.elements {
             self.take_over();
         }
-        match &mut self.0 {
+        match &mut self.elements {
             Elements::Own(elements) => elements,
             Elements::Shared(_) => &mut [],
         }
@@ -47,44 +62,46 @@ impl Vector {
 
     #[cold]
     fn take_over(&mut self) {
-        if let Elements::Shared(elements) = &mut self.0 {
+        if let Elements::Shared(elements) = &mut self.elements {
             let elements = Arc::unwrap_or_clone(std::mem::take(elements));
-            self.0 = Elements::Own(elements);
+            self.elements = Elements::Own(elements);
         }
     }
 
     /// Lets the next copies of this vector have the same elements. O(1).
     pub fn share(&mut self) {
-        if let Elements::Own(elements) = &mut self.0 {
-            self.0 = Elements::Shared(Arc::new(std::mem::take(elements)));
+        if let Elements::Own(elements) = &mut self.elements {
+            self.elements = Elements::Shared(Arc::new(std::mem::take(elements)));
         }
     }
 }
 
 impl Clone for Vector {
     fn clone(&self) -> Self {
-        Self(match &self.0 {
+        let elements = match &self.elements {
             Elements::Own(elements) => Elements::Own(elements.clone()),
             Elements::Shared(elements) => Elements::Shared(elements.clone()),
-        })
+        };
+        Self { elements, is_frozen: self.is_frozen }
     }
 }
 
 impl PartialEq for Vector {
     fn eq(&self, other: &Self) -> bool {
-        self.elements() == other.elements()
+        self.elements() == other.elements() && self.is_frozen == other.is_frozen
     }
 }
 
 impl Serialize for Vector {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.elements().serialize(serializer)
+        (self.is_frozen, self.elements()).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Vector {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Vec::deserialize(deserializer).map(Self::new)
+        let (is_frozen, elements) = Deserialize::deserialize(deserializer)?;
+        Ok(Self { elements: Elements::Own(elements), is_frozen })
     }
 }
 

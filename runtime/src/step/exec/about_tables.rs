@@ -97,6 +97,9 @@ impl Machine {
         let base = place.frame.base as usize;
         let [of, table, value] = [key, table, value].map(|register| self.scratch.stack[base + usize::from(register)]);
         let (key, table) = self.key_and_table(place, "(setf gethash)", of, table)?;
+        if self.heap.tables[table].is_frozen() {
+            return Err(self.frozen(Value::Table(table)));
+        }
         self.make_room(self.scratch.top, table_entry(&key))?;
         self.heap.enter(table, key, value);
         Ok(Proceed::On)

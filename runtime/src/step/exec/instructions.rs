@@ -500,8 +500,10 @@ impl Machine {
                     Op::SetSlot(a, b, slot, kind) => {
                         let kind = &self.constants[kind as usize];
                         match self.heap.slot(&r!(a), kind, slot.into()) {
-                            Some(pair) => self.heap.pairs.car_mut(pair).set(&r!(b)),
-                            None => hand_over!(self.plan_instruction(around, place, *op)),
+                            Some(pair) if !self.heap.pairs.is_frozen(pair) => {
+                                self.heap.pairs.car_mut(pair).set(&r!(b));
+                            }
+                            _ => hand_over!(self.plan_instruction(around, place, *op)),
                         }
                     }
                     Op::VectorRef(a, vector, position) => match self.heap.element(&r!(vector), &r!(position)) {
@@ -627,6 +629,7 @@ impl Machine {
                             && slot.assigns
                             && self.current != SCRATCH_TASK
                             && let Some(pair) = self.heap.slot_in_row(&r!(own), slot)
+                            && !self.heap.pairs.is_frozen(pair)
                         {
                             let (at, value) = (usize::from(first), usize::from(first) + 1);
                             assign!(*self.heap.pairs.car_mut(pair), r[value]);

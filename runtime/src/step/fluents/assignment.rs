@@ -30,6 +30,7 @@ impl Machine {
             Origin::Plan | Origin::System | Origin::Pulsed | Origin::Changed | Origin::Count => 0,
         };
         self.heap.allocated += memory::fluent(captured);
+        self.scratch.work += self.heap.freeze(fluent.value);
         fluent.number = self.next_identity;
         self.next_identity += 1;
         Value::Fluent(self.fluents.insert(fluent))
@@ -85,6 +86,8 @@ impl Machine {
         if self.heap.equal(entry.value, value) {
             return;
         }
+        self.scratch.work += self.heap.freeze(value);
+        let entry = &mut self.fluents[fluent];
         entry.value = value;
         let is_alone = entry.dependents.is_empty();
         entry.is_changed = !is_alone;
@@ -103,6 +106,7 @@ impl Machine {
             if self.heap.equal(self.fluents[fluent].value, value) {
                 continue;
             }
+            self.scratch.work += self.heap.freeze(value);
             self.fluents[fluent].value = value;
             self.fluents[fluent].is_changed = true;
             touched.push(fluent);

@@ -9,6 +9,7 @@ mod foresight;
 mod revision;
 mod tasks;
 mod valves;
+mod within;
 
 use crate::step::native::Native;
 
@@ -16,6 +17,7 @@ use crate::step::native::Native;
 pub fn natives() -> Vec<Native> {
     [
         fluents::NATIVES,
+        within::NATIVES,
         tasks::NATIVES,
         valves::NATIVES,
         behaviours::NATIVES,

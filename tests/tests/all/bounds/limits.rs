@@ -57,7 +57,10 @@ fn no_time_passes_for_free() {
 #[test]
 fn tasks_that_start_or_wake_each_other_without_end_run_away_together() {
     fails("(defun step () (spawn (step))) (def-plan chain () (spawn (step)) (wait-time 1)) (chain)", "runaway");
-    fails("(defun step () (spawn (wait-time 0) (step))) (def-plan chain () (spawn (step)) (wait-time 1)) (chain)", "runaway");
+    fails(
+        "(defun step () (spawn (wait-time 0) (step))) (def-plan chain () (spawn (step)) (wait-time 1)) (chain)",
+        "runaway",
+    );
     fails("(def-plan f () (par (f))) (with-timeout 5 (f))", "runaway");
     // Neither is more than a moment at work when it is its turn.
     fails(

@@ -133,7 +133,10 @@ fn a_task_that_is_evaporated_before_its_tag_is_reached_never_runs() {
     ] {
         check(&late(form), "=> 1.0");
     }
-    check("(def-plan p () (par (seq (suspend late) (evaporate late)) (seq (wait-time 1) (:tag late (print 'runs))))) (p)", "=> nil");
+    check(
+        "(def-plan p () (par (seq (suspend late) (evaporate late)) (seq (wait-time 1) (:tag late (print 'runs))))) (p)",
+        "=> nil",
+    );
     check(
         "(def-plan p ()
            (par (evaporate late)

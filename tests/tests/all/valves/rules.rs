@@ -575,10 +575,7 @@ fn hooks_and_clean_ups_of_one_task_never_run_side_by_side() {
     check(&told("(seq (wait-time 2) (evaporate b))", hook), "(begins 2.0)\n(ends 4.0)\n=> nil");
     // With their clean-ups.
     let careful = "(evap-protect (wait-time 2) (wait-time 1) (print (list 'hook-ended (now))))";
-    check(
-        &told("(seq (wait-time 2) (evaporate b))", careful),
-        "(hook-ended 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil",
-    );
+    check(&told("(seq (wait-time 2) (evaporate b))", careful), "(hook-ended 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil");
     // Those of a task above are waited for,
     check(&told("(seq (wait-time 2) (evaporate inner))", hook), "(hook 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil");
     // unless it is they who end it.
