@@ -63,8 +63,9 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "waiting",
         "Fluents and waiting",
-        "wait-for whenever fluent create-fluent fluentp value pulse pulsed changed count-pulses wait-time at-time now",
+        "wait-for whenever fluent create-fluent fluentp value setf-together pulse pulsed changed count-pulses wait-time at-time now",
     ),
+    topic("queues", "Queues", "def-queue make-queue enqueue dequeue queue-length"),
     topic(
         "policies",
         "Policies, valves, clean-up",

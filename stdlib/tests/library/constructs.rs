@@ -90,6 +90,46 @@ fn changing_places() {
     ]);
 }
 
+/// r[propagate.together]
+#[test]
+fn several_fluents_are_assigned_as_one() {
+    check(&[
+        (
+            "(def-fluent left 1) (def-fluent right 0) (defvar seen nil)
+             (with-policy (whenever (/= (+ left right) 1) (push (list (value left) (value right)) seen))
+               (seq (wait-time 1) (setf-together (value left) 0 (value right) 1) (wait-time 1)))
+             (list seen (value left) (value right))",
+            "(nil 0 1)",
+        ),
+        // What is assigned one after the other is seen one after the other.
+        (
+            "(def-fluent left 1) (def-fluent right 0) (defvar seen nil)
+             (with-policy (whenever (/= (+ left right) 1) (push (list (value left) (value right)) seen))
+               (seq (wait-time 1) (setf (value left) 0 (value right) 1) (wait-time 1)))
+             seen",
+            "((0 0))",
+        ),
+        // All values are computed first; of a fluent that is named twice the last one counts.
+        (
+            "(let ((a (create-fluent 1)) (b (create-fluent 2)))
+               (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
+            "(1 2 1)",
+        ),
+        ("(let ((a (create-fluent 1))) (setf-together (value a) 2 (value a) 3) (value a))", "3"),
+        (
+            "(def-fluent a nil) (def-fluent b nil)
+             (par (seq (wait-for a) (list 'a (value b))) (seq (wait-time 1) (setf-together (value a) t (value b) 'there)) (wait-for b))",
+            "there",
+        ),
+    ]);
+    check_failures(&[
+        ("(let ((x 1)) (setf-together x 2))", "this is not of the form `(setf-together (value FLUENT) VALUE...)`"),
+        ("(setf-together)", "this is not of the form `(setf-together (value FLUENT) VALUE...)`"),
+        ("(setf-together (value 5) 2)", "type-error: what is assigned must be a fluent"),
+        ("(def-fluent f 1) (setf-together (value f) 2 (value (fluent (+ f 1))) 2)", "a network cannot be assigned"),
+    ]);
+}
+
 #[test]
 fn failing() {
     check(&[

@@ -8,5 +8,6 @@ mod foresight;
 mod lists;
 mod numbers;
 mod own_texts;
+mod queues;
 mod text;
 mod vectors;
