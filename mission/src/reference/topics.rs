@@ -45,7 +45,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "parallel",
         "Side by side, one after the other",
-        "par pursue try-all quorum pursue-first-n try-in-order try-each-in-order par-map pursue-map try-all-map plan partial-order process :tag \
+        "par pursue try-all gather settle quorum pursue-first-n try-in-order try-each-in-order par-map pursue-map try-all-map gather-map settle-map plan partial-order process :tag \
          spawn with-timeout with-priority execute-plan",
     ),
     topic(
@@ -75,7 +75,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "failures",
         "Failures",
-        "fail with-failure-handling retry refail with-retry-counters do-retry ignore-failures assert assert-fails \
+        "fail with-failure-handling with-parts-handled retry refail with-retry-counters do-retry ignore-failures assert assert-fails \
          fail-composite failurep failure-class failure-is? failure-message failure-slot failure-parts \
          failure-while-cleaning-up",
     ),

@@ -8,6 +8,7 @@ mod foresight;
 mod lists;
 mod numbers;
 mod own_texts;
+mod parallel;
 mod queues;
 mod text;
 mod vectors;
