@@ -31,6 +31,7 @@ const MACROS: &[(&str, Layout)] = &[
     ("unless", Layout::plain(Body(1))),
     ("when", Layout::plain(Body(1))),
     ("while", Layout::plain(Body(1))),
+    ("with-parts-handled", Layout::with(Body(1), &[Handlers])),
     ("with-policies", Layout::with(Body(1), &[Clause])),
     ("with-retry-counters", Layout::with(Body(1), &[Bindings])),
 ];

@@ -31,6 +31,8 @@ pub const PRELUDE: &str = concat!(
     "\n",
     include_str!("prelude/functions.rpl"),
     "\n",
+    include_str!("prelude/queues.rpl"),
+    "\n",
     include_str!("prelude/foresight.rpl"),
     "\n",
     include_str!("prelude/revision.rpl"),

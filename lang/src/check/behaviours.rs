@@ -20,6 +20,10 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
     match name {
         "activate" => parameters(check, first, rest, ir.span, found),
         "pulse" | "%set-value" => robot_fluent(check, first, ir.span, found),
+        "%setf-together" => {
+            let fluents = std::iter::once(first).chain(rest.iter().skip(1).step_by(2));
+            fluents.for_each(|fluent| robot_fluent(check, fluent, ir.span, found));
+        }
         "%fail" => slots(check, first, rest, ir.span, found),
         _ => {}
     }

@@ -3,7 +3,7 @@
 use super::known::Check;
 use super::places::lies_in;
 use super::walk::{FormPart, parts};
-use crate::code::{Quorum, Successes};
+use crate::code::{Failures, Quorum, Successes};
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -148,7 +148,9 @@ impl<'c, 'a> Flow<'c, 'a> {
             }
             IrKind::ConstructMap(construct, list) => {
                 // Without elements there is no child.
-                self.completes(list)
+                let mut starts = self.completes(list);
+                construct.evaluated().for_each(|argument| starts &= self.completes(argument));
+                starts
                     & (self.children(construct.quorum, &construct.children)
                         | (construct.quorum.successes == Successes::All))
             }
@@ -242,6 +244,8 @@ impl<'c, 'a> Flow<'c, 'a> {
         let ends: Vec<bool> =
             children.iter().map(|child| self.completes(&child.body.body) | child.tag.is_some()).collect();
         match quorum.successes {
+            // A failure is an end, too.
+            Successes::All if quorum.failures == Failures::Settled => true,
             Successes::All => ends.iter().all(|&ends| ends),
             Successes::Count(_) => ends.iter().any(|&ends| ends),
             Successes::Last => ends.last().copied().unwrap_or(true),

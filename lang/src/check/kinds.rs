@@ -102,7 +102,10 @@ fn handles_faults<'a>(check: &Check<'_>, ir: &'a Ir) -> Option<&'a Ir> {
 fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
     let mut look = |form: &str, kind: Kind, argument: &Ir| wrong_kind(check, form, kind, ir.span, argument, found);
     match &ir.kind {
-        IrKind::Scope(ScopeIr::Valve(valve), _) => look("with-valve", Kind::Valve, valve),
+        IrKind::Scope(ScopeIr::Valve { valve, seconds }, _) => {
+            look("with-valve", Kind::Valve, valve);
+            seconds.iter().for_each(|seconds| look("with-valve", Kind::Seconds, seconds));
+        }
         IrKind::Scope(ScopeIr::Suspended(task), _) => look("with-task-suspended", Kind::Task, task),
         IrKind::WaitFor { fluent, timeout, .. } => {
             look("wait-for", Kind::Fluent, fluent);
@@ -116,8 +119,13 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
                 let numbers = [successes, failures].into_iter().filter(|number| check.keyword(number).is_none());
                 numbers.for_each(|number| look("quorum", Kind::Integer, number));
             }
-            None => {}
+            Some(ArgumentIr::Most(_)) | None => {}
         },
+        IrKind::ConstructMap(construct, _) => {
+            if let Some(ArgumentIr::Most(count)) = &construct.argument {
+                look(check.name(construct.name), Kind::Integer, count);
+            }
+        }
         IrKind::Binary(operation, left, right) => {
             let name = match operation {
                 Binary::Add => "+",

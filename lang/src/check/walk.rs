@@ -51,6 +51,7 @@ pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(FormPart<'a>)) {
         }
         IrKind::ConstructMap(construct, list) => {
             see(FormPart::Form(list));
+            construct.evaluated().for_each(|argument| see(FormPart::Form(argument)));
             construct.children.iter().for_each(|child| see(FormPart::Function(&child.body)));
         }
         IrKind::Handler { body, clauses, .. } => {
@@ -60,7 +61,10 @@ pub(super) fn parts<'a>(ir: &'a Ir, see: &mut dyn FnMut(FormPart<'a>)) {
         IrKind::Cleanup { body, cleanup, .. } => [body, cleanup].into_iter().for_each(|part| see(FormPart::Form(part))),
         IrKind::Scope(scope, body) => {
             match scope {
-                ScopeIr::Valve(value) | ScopeIr::Suspended(value) => see(FormPart::Form(value)),
+                ScopeIr::Valve { valve, seconds } => {
+                    std::iter::once(valve).chain(seconds).for_each(|value| see(FormPart::Form(value)));
+                }
+                ScopeIr::Suspended(value) => see(FormPart::Form(value)),
                 ScopeIr::OnInterrupt(hook) | ScopeIr::OnResume(hook) => see(FormPart::Function(hook)),
                 ScopeIr::Fence => {}
             }

@@ -15,9 +15,19 @@ pub struct Quorum {
     pub successes: Successes,
     /// How many failures are enough.
     pub failures: Failures,
-    /// Whether its value is the list of the values of the children that have succeeded, in the order in
-    /// which they did; else it is that of the child that decides, or the last by position of all.
-    pub lists: bool,
+    /// What its value is.
+    pub values: Values,
+}
+
+/// What the value of a construct is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Values {
+    /// That of the child that decides, or the last by position of all.
+    One,
+    /// The list of those of the children that have succeeded, in the order in which they did.
+    AsTheyCame,
+    /// The list of those of all children, in the order of their positions.
+    InOrder,
 }
 
 /// How many successes are enough.
@@ -39,6 +49,8 @@ pub enum Failures {
     All,
     /// So many.
     Count(u32),
+    /// However many, none: a failure is the value of its child.
+    Settled,
 }
 
 impl Quorum {
@@ -51,10 +63,15 @@ impl Quorum {
     /// `with-policy`, and every construct of one child: its end is the construct's.
     pub const LAST: Self = Self::new(Successes::Last, Failures::Count(1));
     /// `quorum`, before its arguments are known: at least one must succeed.
-    pub const ASKED: Self = Self { successes: Successes::Count(1), failures: Failures::All, lists: true };
+    pub const ASKED: Self =
+        Self { successes: Successes::Count(1), failures: Failures::All, values: Values::AsTheyCame };
+    /// `gather`: as `par`, with the values of all.
+    pub const GATHER: Self = Self { values: Values::InOrder, ..Self::PAR };
+    /// `settle`: all must end, in whatever way.
+    pub const SETTLE: Self = Self { failures: Failures::Settled, ..Self::GATHER };
 
     const fn new(successes: Successes, failures: Failures) -> Self {
-        Self { successes, failures, lists: false }
+        Self { successes, failures, values: Values::One }
     }
 }
 
@@ -88,6 +105,8 @@ pub enum Argument {
         /// How many failures are enough.
         failures: Reg,
     },
+    /// The register of how many children of a map are begun and not ended, at most.
+    Most(Reg),
 }
 
 /// A construct of concurrent children.

@@ -15,7 +15,7 @@ mod program;
 pub(crate) use body::are_plain;
 pub use body::{Code, CodeKind, Local, PLAIN_REGISTERS, SlotAccess};
 pub use constant::{Atom, Constant, Part};
-pub use construct::{Argument, Child, Construct, Failures, Quorum, Successes};
+pub use construct::{Argument, Child, Construct, Failures, Quorum, Successes, Values};
 pub use op::{Missed, NO_REG, Op, Reg};
 pub use parameters::{ARRANGES, Parameters};
 pub use program::{FailureClass, Global, GlobalKind, Program};

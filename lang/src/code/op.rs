@@ -195,8 +195,8 @@ pub enum Op {
     BeginCleanup,
     /// the clean-up has run: go on with whatever was under way
     EndCleanup,
-    /// wait for the valve in r0, hold it until the scope ends
-    PushValve(Reg),
+    /// wait for the valve in r0, at most r1 seconds, hold it until the scope ends
+    PushValve(Reg, Reg),
     /// the closure in r0 runs when the subtree is interrupted
     PushOnInterrupt(Reg),
     /// the closure in r0 runs when the subtree gets its valve back

@@ -1,6 +1,7 @@
 //! The compiler's state, and what all of its parts do with it.
 
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
+use super::forms::Goals;
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
@@ -72,6 +73,8 @@ pub(crate) struct Compiler<'a> {
     pub(super) tests: BTreeMap<Arc<str>, Span>,
     /// Methods of goals, by the plan that tries them.
     pub(super) methods: BTreeMap<Symbol, Methods>,
+    /// What can be achieved, by the names of the goals.
+    pub(super) goals: BTreeMap<Symbol, Goals>,
 }
 
 pub(crate) struct FunctionScope {
@@ -167,6 +170,7 @@ impl<'a> Compiler<'a> {
             loading: Vec::new(),
             tests: BTreeMap::new(),
             methods: BTreeMap::new(),
+            goals: BTreeMap::new(),
         }
     }
 

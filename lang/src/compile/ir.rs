@@ -129,6 +129,7 @@ pub(crate) enum ArgumentIr {
     Priority(Box<Ir>),
     Deadline { seconds: Box<Ir>, active: bool },
     Quorum { successes: Box<Ir>, failures: Box<Ir> },
+    Most(Box<Ir>),
 }
 
 #[derive(Clone, Debug)]
@@ -144,7 +145,9 @@ impl ConstructIr {
     /// The forms that are evaluated before it starts.
     pub(crate) fn evaluated(&self) -> impl Iterator<Item = &Ir> {
         let (first, second) = match &self.argument {
-            Some(ArgumentIr::Priority(value) | ArgumentIr::Deadline { seconds: value, .. }) => (Some(value), None),
+            Some(
+                ArgumentIr::Priority(value) | ArgumentIr::Deadline { seconds: value, .. } | ArgumentIr::Most(value),
+            ) => (Some(value), None),
             Some(ArgumentIr::Quorum { successes, failures }) => (Some(successes), Some(failures)),
             None => (None, None),
         };
@@ -168,7 +171,11 @@ impl ConstructIr {
 /// The kinds of scope a body can run in, on its own task.
 #[derive(Clone, Debug)]
 pub(crate) enum ScopeIr {
-    Valve(Box<Ir>),
+    /// `seconds` is how long to wait for it at most.
+    Valve {
+        valve: Box<Ir>,
+        seconds: Option<Box<Ir>>,
+    },
     OnInterrupt(Box<Function>),
     OnResume(Box<Function>),
     Suspended(Box<Ir>),

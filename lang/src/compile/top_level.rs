@@ -15,6 +15,7 @@ impl Compiler<'_> {
     pub(super) fn run(mut self, forms: &[NodeId], span: Span) -> Compiled {
         let name = self.symbols.intern("main");
         self.predeclare(forms);
+        self.note_goals(forms);
         let mut bodies = Vec::new();
         let mut defined = None;
         for &form in forms {

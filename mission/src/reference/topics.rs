@@ -45,7 +45,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "parallel",
         "Side by side, one after the other",
-        "par pursue try-all quorum pursue-first-n try-in-order try-each-in-order par-map pursue-map try-all-map plan partial-order process :tag \
+        "par pursue try-all gather settle quorum pursue-first-n try-in-order try-each-in-order par-map pursue-map try-all-map gather-map settle-map plan partial-order process :tag \
          spawn with-timeout with-priority execute-plan",
     ),
     topic(
@@ -63,8 +63,9 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "waiting",
         "Fluents and waiting",
-        "wait-for whenever fluent create-fluent fluentp value pulse pulsed changed count-pulses wait-time at-time now",
+        "wait-for whenever fluent create-fluent fluentp value setf-together pulse pulsed changed count-pulses wait-time at-time now",
     ),
+    topic("queues", "Queues", "def-queue make-queue enqueue dequeue queue-length"),
     topic(
         "policies",
         "Policies, valves, clean-up",
@@ -74,7 +75,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "failures",
         "Failures",
-        "fail with-failure-handling retry refail with-retry-counters do-retry ignore-failures assert assert-fails \
+        "fail with-failure-handling with-parts-handled retry refail with-retry-counters do-retry ignore-failures assert assert-fails \
          fail-composite failurep failure-class failure-is? failure-message failure-slot failure-parts \
          failure-while-cleaning-up",
     ),

@@ -82,13 +82,23 @@ impl<O: Outside> System<O> {
                     self.machine.wake(task, Wake::Value(Value::Nil));
                     is_quiet = false;
                 }
+                Alarm::Request { asked_us, .. } if is_quiet && self.machine.is_idle() => {
+                    self.machine.timers.take();
+                    let seconds = (timer.deadline_us - asked_us) as f64 / 1e6;
+                    // Whoever it kept waiting is served.
+                    self.with_machine(|machine, around| {
+                        machine.request_ended(task, seconds);
+                        machine.serve_valves(around);
+                    });
+                    return;
+                }
                 Alarm::Deadline if is_quiet && self.machine.is_idle() => {
                     self.machine.timers.take();
                     self.with_machine(|machine, around| machine.deadline(around, task, timer.number));
                     return;
                 }
                 // What is ready may be done in time: the timeout is looked at when it has run.
-                Alarm::Deadline => return,
+                Alarm::Request { .. } | Alarm::Deadline => return,
             }
         }
     }

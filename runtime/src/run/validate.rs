@@ -323,6 +323,8 @@ impl Machine {
         self.validate_value(bounds, children.last_value)?;
         children.values.iter().try_for_each(|&value| self.validate_value(bounds, value))?;
         children.held.iter().try_for_each(|held| self.validate_reference(held.task))?;
+        children.later.iter().try_for_each(|&task| self.validate_reference(task))?;
+        ensure(children.later.len() <= children.total as usize, "more children wait than there are")?;
         children.failures.iter().try_for_each(|&failure| self.validate_failure(bounds, failure))?;
         match children.decided {
             Some(Decision::Fail(failure)) => self.validate_failure(bounds, failure),

@@ -6,7 +6,7 @@ use crate::state::fluent::{Fluent, Origin, Watch};
 use crate::state::task::Then;
 use crate::state::task::{Children, Frame, PlanCall, Rare, Scope, ScopeKind, Task};
 use crate::state::timers::Timer;
-use crate::state::value::Value;
+use crate::state::value::{TaskRef, Value};
 use crate::state::valve::{Below, Link, Waiter};
 use crate::state::valve_line::ValveLine;
 
@@ -62,6 +62,7 @@ pub(crate) fn scope(kind: &ScopeKind) -> usize {
                 + block(std::mem::size_of_val(children.failures.as_slice()))
                 + block(std::mem::size_of_val(children.order.as_slice()))
                 + block(std::mem::size_of_val(children.held.as_slice()))
+                + block(children.later.len() * size_of::<TaskRef>())
         }
         ScopeKind::InCleanup(_) => block(size_of::<Then>()),
         ScopeKind::Block { .. }

@@ -10,6 +10,13 @@ use std::collections::BinaryHeap;
 pub enum Alarm {
     /// Ends the wait with this number.
     Wake(u32),
+    /// Ends the request of a valve.
+    Request {
+        /// The number of the wait.
+        wait: u32,
+        /// When the valve was asked for.
+        asked_us: u64,
+    },
     /// Ends the timeout whose timer has this number.
     Deadline,
 }
@@ -17,7 +24,10 @@ pub enum Alarm {
 impl Alarm {
     /// Timeouts end last in an instant: what is done in the deadline's very instant is done in time.
     fn is_late(self) -> bool {
-        self == Alarm::Deadline
+        match self {
+            Alarm::Wake(_) => false,
+            Alarm::Request { .. } | Alarm::Deadline => true,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The prelude's macros.
 
-use crate::evaluate::{check, check_failures};
+use crate::evaluate::{check, check_failures, evaluate};
 
 /// r[control.conditions]
 #[test]
@@ -87,6 +87,182 @@ fn changing_places() {
         ("(let ((n 0)) (list (prog1 n (incf n)) n))", "(0 1)"),
         ("(destructuring-bind (a &optional (b 9) &rest more) '(1 2 3 4) (list a b more))", "(1 2 (3 4))"),
         ("(destructuring-bind (a &optional (b 9)) '(1) (list a b))", "(1 9)"),
+    ]);
+}
+
+/// r[propagate.together]
+#[test]
+fn several_fluents_are_assigned_as_one() {
+    check(&[
+        (
+            "(def-fluent left 1) (def-fluent right 0) (defvar seen nil)
+             (with-policy (whenever (/= (+ left right) 1) (push (list (value left) (value right)) seen))
+               (seq (wait-time 1) (setf-together (value left) 0 (value right) 1) (wait-time 1)))
+             (list seen (value left) (value right))",
+            "(nil 0 1)",
+        ),
+        // What is assigned one after the other is seen one after the other.
+        (
+            "(def-fluent left 1) (def-fluent right 0) (defvar seen nil)
+             (with-policy (whenever (/= (+ left right) 1) (push (list (value left) (value right)) seen))
+               (seq (wait-time 1) (setf (value left) 0 (value right) 1) (wait-time 1)))
+             seen",
+            "((0 0))",
+        ),
+        // All values are computed first; of a fluent that is named twice the last one counts.
+        (
+            "(let ((a (create-fluent 1)) (b (create-fluent 2)))
+               (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
+            "(1 2 1)",
+        ),
+        ("(let ((a (create-fluent 1))) (setf-together (value a) 2 (value a) 3) (value a))", "3"),
+        (
+            "(def-fluent a nil) (def-fluent b nil)
+             (par (seq (wait-for a) (list 'a (value b))) (seq (wait-time 1) (setf-together (value a) t (value b) 'there)) (wait-for b))",
+            "there",
+        ),
+    ]);
+    check_failures(&[
+        ("(let ((x 1)) (setf-together x 2))", "this is not of the form `(setf-together (value FLUENT) VALUE...)`"),
+        ("(setf-together)", "this is not of the form `(setf-together (value FLUENT) VALUE...)`"),
+        ("(setf-together (value 5) 2)", "type-error: what is assigned must be a fluent"),
+        ("(def-fluent f 1) (setf-together (value f) 2 (value (fluent (+ f 1))) 2)", "a network cannot be assigned"),
+    ]);
+}
+
+/// r[handle.parts]
+#[test]
+fn parts_of_a_failure_are_handled_by_their_classes() {
+    let text = |clauses: &str, failures: &str| {
+        format!(
+            "(def-failure slipped (plan-failure) (item)) (def-failure lost (plan-failure) ())
+             (with-failure-handling ((composite-failure (f) (list (failure-message f) (map failure-message (failure-parts f)))))
+               (with-parts-handled ({clauses}) {failures}))"
+        )
+    };
+    let two = "(try-all (seq (wait-time 2) (fail slipped \"b\")) (seq (wait-time 1) (fail slipped \"a\")))";
+    let mixed = "(try-all (fail slipped \"a\") (fail lost \"b\") (try-all (fail slipped \"c\") (fail timeout \"d\")))";
+    let clause = "(slipped (all) (map failure-message all))";
+    for (clauses, failures, expected) in [
+        // All of the class are taken at once, in their order.
+        (clause, two, "(\"a\" \"b\")"),
+        // The rest goes on; parts of parts are parts.
+        (clause, mixed, "(\"2 left of its parts\" (\"b\" \"d\"))"),
+        ("(slipped () 1) ((lost timeout) (all) (length all))", mixed, "2"),
+        // The first clause that fits takes a part, and one without parts is not run.
+        ("(plan-failure (all) (list 'first (length all))) (slipped () 'second) (timeout () nil)", mixed, "nil"),
+        ("(timeout () 'never)", two, "(\"all 2 ways failed\" (\"a\" \"b\"))"),
+        // One failure is one part; what is no part of anything goes on as it is.
+        (clause, "(fail slipped \"a\")", "(\"a\")"),
+        (clause, "(with-failure-handling ((timeout () 'late)) (fail timeout \"t\"))", "late"),
+        (clause, "'well", "well"),
+        // A clause that fails adds its failure to what is left.
+        ("(slipped () (fail \"again\")) (lost () 'lost)", mixed, "(\"2 left of its parts\" (\"d\" \"again\"))"),
+        ("(slipped () (/ 1 0))", "(fail slipped)", "(\"1 left of its parts\" (\"division by zero\"))"),
+    ] {
+        let text = text(clauses, failures);
+        check(&[(text.as_str(), expected)]);
+    }
+    check(&[(
+        // The clauses may start the forms again.
+        "(let ((n 0)) (with-parts-handled ((timeout () (if (< n 3) (retry) n))) (incf n) (try-all (fail timeout) (fail timeout))))",
+        "3",
+    )]);
+    check_failures(&[
+        ("(with-parts-handled ((timeout () 1)) (fail \"other\"))", "plan-failure: other"),
+        ("(with-parts-handled ((no-such-class () 1)) 2)", "there is no failure class `no-such-class`"),
+        ("(with-parts-handled (timeout) 2)", "this is not of the form `(with-parts-handled"),
+    ]);
+}
+
+/// r[goal.words]
+#[test]
+fn goals_have_words() {
+    let goals = "(def-goal (achieve (the ?object on ?place)) (list ?object 'lies ?place))
+                 (def-goal (achieve (the ?object in ?place)) (list ?object 'within ?place))
+                 (def-goal (achieve (the ?object on floor)) (list ?object 'fell))
+                 (def-goal (achieve (in room)) (list 'at room))
+                 (def-goal (achieve (in ?room quickly)) (fail \"no\"))
+                 (def-goal (achieve (in ?place quickly)) (list 'ran ?place))";
+    let check = |goal: &str, expected: &str| {
+        // Goals may stand above and below what achieves them.
+        assert_eq!(evaluate(&format!("{goals} (let ((table 't1) (on 'never)) {goal})")).as_deref(), Ok(expected));
+        assert_eq!(
+            evaluate(&format!("(def-plan all () (let ((table 't1) (on 'never)) {goal})) {goals} (all)")).as_deref(),
+            Ok(expected)
+        );
+    };
+    check("(achieve (the 'cup on table))", "(cup lies t1)");
+    check("(achieve (the (car '(cup)) in (list 'the table)))", "(cup within (the t1))");
+    // The goal with most words is meant.
+    check("(achieve (the 'cup on floor))", "(cup fell)");
+    check("(achieve (in 'hall))", "(at hall)");
+    check("(achieve (in 'hall quickly))", "(ran hall)");
+    check("(execute-plan '(achieve (the 'cup on 'shelf)))", "(cup lies shelf)");
+    let failures = [
+        ("(achieve (the 'cup under table))", "no goal is like `(the 'cup under table)`"),
+        ("(achieve (the 'cup under table))", "there is `(the ? on ?)`, `(the ? in ?)`, `(the ? on floor)`"),
+        ("(achieve (the 'cup))", "no goal is like `(the 'cup)`"),
+        ("(achieve)", "this is not of the form `(achieve (NAME ARGUMENT...))`"),
+        ("(def-goal (achieve (the ?a 5)) 1)", "where names are words among parameters that begin with `?`"),
+        ("(def-goal (achieve (the ?a on &optional ?b)) 1)", "where names are words among parameters"),
+    ];
+    for (text, part) in failures {
+        let text = format!("{goals} {text}");
+        check_failures(&[(text.as_str(), part)]);
+    }
+}
+
+/// r[valve.timeout]
+#[test]
+fn a_valve_is_waited_for_so_long() {
+    check(&[
+        (
+            "(def-valve arm)
+             (par (with-valve arm (wait-time 10))
+                  (with-failure-handling ((timeout (f) (list (failure-message f) (failure-slot f 'seconds) (now))))
+                    (with-valve arm :timeout 3 'never)))",
+            "(\"the valve `arm` was not given within 3 s\" 3.0 3.0)",
+        ),
+        // The forms take as long as they take.
+        (
+            "(def-valve arm) (par (with-valve arm (wait-time 2)) (with-valve arm :timeout 3 (wait-time 10) (now)))",
+            "12.0",
+        ),
+        ("(def-valve arm) (with-valve arm :timeout 0 (wait-time 1) (now))", "1.0"),
+        // Given in the very instant, it is given in time.
+        ("(def-valve arm) (par (with-valve arm (wait-time 3)) (with-valve arm :timeout 3 (now)))", "3.0"),
+        (
+            "(def-valve arm) (par (seq (wait-time 0) (with-valve arm :timeout 3 (now))) (with-valve arm (wait-time 3)))",
+            "nil",
+        ),
+        // The line moves up, and nothing is held.
+        (
+            "(def-valve arm)
+             (par (with-valve arm (wait-time 5))
+                  (ignore-failures (timeout) (with-valve arm :timeout 2 nil))
+                  (seq (wait-time 1) (with-valve arm (now))))",
+            "5.0",
+        ),
+        (
+            "(def-valve arm)
+             (list (par (with-valve arm (wait-time 5)) (ignore-failures (timeout) (with-valve arm :timeout 2 nil)))
+                   (holds-valve? arm) (with-valve arm :timeout 1 'free))",
+            "(nil nil free)",
+        ),
+        // Whoever already has it does not wait.
+        ("(def-valve arm) (with-valve arm (with-valve arm :timeout 0 'borrowed))", "borrowed"),
+    ]);
+    check_failures(&[
+        (
+            "(def-valve arm) (with-valve arm :timeout 'soon nil)",
+            "`:timeout` of `with-valve` must be a number of seconds",
+        ),
+        ("(def-valve arm) (with-valve arm :timeout)", "(with-valve VALVE [:timeout SECONDS] FORM...)"),
+        (
+            "(def-valve arm) (par (with-valve arm (wait-time 9)) (with-valve arm :timeout 1 nil))",
+            "timeout: the valve `arm` was not given within 1 s",
+        ),
     ]);
 }
 

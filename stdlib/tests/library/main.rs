@@ -10,5 +10,7 @@ mod lists;
 mod macros;
 mod numbers;
 mod own_texts;
+mod parallel;
+mod queues;
 mod text;
 mod vectors;

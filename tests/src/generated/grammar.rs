@@ -75,7 +75,7 @@ pub fn program(seed: u64) -> String {
     let left = 6 + dice.below(34) as i32;
     let mut writer = Writer { dice, left, names: 0, tags: Vec::new() };
     let mut text = String::from(
-        "(def-fluent f0 nil)\n(def-fluent f1 nil)\n(def-fluent f2 0)\n(def-fluent *shared* t)\n(def-valve v0)\n(def-valve v1)\n\
+        "(def-fluent f0 nil)\n(def-fluent f1 nil)\n(def-fluent f2 0)\n(def-fluent *shared* t)\n(def-valve v0)\n(def-valve v1)\n(def-queue q0 :most 2)\n\
          (defvar n 2)\n(defvar kept nil)\n(defvar entries 0)\n\
          (defun note-enter () (setq entries (+ entries 1)) (%note-enter entries))\n(def-failure spilled (plan-failure) (where))\n\
          (defun both (a b) (and (value a) (value b)))\n(defun deep (k) (+ 1 (deep k)))\n",
@@ -267,6 +267,16 @@ impl Writer {
             29 => format!("(list (value (status {})) (value c0))", self.tag()),
             30 => "(note (list 'value (value f0) (value f2)))".into(),
             31 => "(incf (value f2))".into(),
+            32 => self
+                .dice
+                .pick(&[
+                    "(enqueue q0 n)",
+                    "(dequeue q0)",
+                    "(dequeue q0 :if integerp)",
+                    "(value (queue-length q0))",
+                    "(setf-together (value f0) n (value f1) nil)",
+                ])
+                .into(),
             34 => format!("(dive {})", self.dice.pick(&["3", "20", "70"])),
             35 => self
                 .dice
@@ -306,7 +316,10 @@ impl Writer {
         let time = self.dice.pick(TIMES);
         match self.below(43) {
             0..=2 => format!("(seq {})", self.forms(place, 3)),
-            3..=5 => format!("(par {})", self.children(place)),
+            3..=5 => {
+                let head = self.dice.pick(&["par", "par", "par", "gather", "settle"]);
+                format!("({head} {})", self.children(place))
+            }
             6 | 7 => format!("(pursue {})", self.children(place)),
             8 => format!("(try-all {})", self.children(place)),
             9 => {
@@ -320,8 +333,9 @@ impl Writer {
             }
             11 => format!("(try-each-in-order (n (list 0 n)) {})", self.form(&place.in_task())),
             12 => {
-                let head = self.dice.pick(&["par-map", "pursue-map", "try-all-map"]);
-                format!("({head} (n (list 0 n 0)) {})", self.forms(&place.in_task(), 2))
+                let head = self.dice.pick(&["par-map", "pursue-map", "try-all-map", "gather-map", "settle-map"]);
+                let most = if head == "pursue-map" { "" } else { self.dice.pick(&["", "", " :most 1", " :most 2"]) };
+                format!("({head} (n (list 0 n 0){most}) {})", self.forms(&place.in_task(), 2))
             }
             13 => self.partial_order(place),
             14 | 15 => {
@@ -344,7 +358,11 @@ impl Writer {
             21 => self.tagged(place),
             22 => format!("(with-task-suspended ({}) {})", self.tag(), self.forms(place, 2)),
             23 | 24 => self.whenever(place),
-            25 | 26 => format!("(with-valve {} {})", self.dice.pick(VALVES), self.forms(place, 2)),
+            25 | 26 => {
+                let valve = self.dice.pick(VALVES);
+                let timeout = if self.dice.once_in(4) { format!(" :timeout {time}") } else { String::new() };
+                format!("(with-valve {valve}{timeout} {})", self.forms(place, 2))
+            }
             27 => {
                 let hook = self.form(&Place { ends: true, ..Place::default() });
                 let head = self.dice.pick(&["on-interrupt", "on-resume"]);

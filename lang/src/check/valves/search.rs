@@ -128,7 +128,7 @@ impl<'c, 'a> Search<'c, 'a> {
 
     fn form_here(&mut self, ir: &Ir) {
         match &ir.kind {
-            IrKind::Scope(ScopeIr::Valve(valve), body) => self.with_valve(valve, body, ir.span),
+            IrKind::Scope(ScopeIr::Valve { valve, .. }, body) => self.with_valve(valve, body, ir.span),
             IrKind::Scope(ScopeIr::OnInterrupt(hook), body) => {
                 self.protected(|search| search.form(&hook.body));
                 self.form(body);
@@ -410,7 +410,7 @@ fn appended(construct: &ConstructIr, child: usize) -> Option<Vec<i64>> {
             _ => None,
         },
         None if construct.policy().is_some() => Some(vec![i64::from(child == 0)]),
-        Some(ArgumentIr::Deadline { .. } | ArgumentIr::Quorum { .. }) | None => Some(Vec::new()),
+        Some(ArgumentIr::Deadline { .. } | ArgumentIr::Quorum { .. } | ArgumentIr::Most(_)) | None => Some(Vec::new()),
     }
 }
 

@@ -14,6 +14,7 @@ impl Emitter<'_, '_> {
             ArgumentIr::Quorum { successes, failures } => {
                 Argument::Quorum { successes: self.kept(successes), failures: self.kept(failures) }
             }
+            ArgumentIr::Most(count) => Argument::Most(self.kept(count)),
         });
         let children = construct
             .children
@@ -89,9 +90,17 @@ impl Emitter<'_, '_> {
     pub(super) fn scope(&mut self, scope: &ScopeIr, body: &Ir, into: Reg) {
         let reg = self.fresh();
         let op = match scope {
-            ScopeIr::Valve(value) => {
-                self.value(value, reg, false);
-                Op::PushValve(reg)
+            ScopeIr::Valve { valve, seconds } => {
+                self.value(valve, reg, false);
+                let seconds = match seconds {
+                    Some(seconds) => {
+                        let register = self.fresh();
+                        self.value(seconds, register, false);
+                        register
+                    }
+                    None => NO_REG,
+                };
+                Op::PushValve(reg, seconds)
             }
             ScopeIr::Suspended(value) => {
                 self.value(value, reg, false);

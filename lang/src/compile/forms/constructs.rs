@@ -44,6 +44,22 @@ pub(super) const FORMS: &[SpecialForm] = &[
         role: Role::Effect(|compiler, written| compiler.quorum(written)),
     },
     SpecialForm {
+        names: &["gather"],
+        form: "(gather FORM...)",
+        doc: "Runs the forms concurrently. Succeeds if all did, with the list of all values in the order of the forms; fails at the first failure, and the others are evaporated.",
+        example: "(print (gather (seq (wait-time 2) 'slow)\n               (seq (wait-time 1) 'quick)))",
+        layout: Some(Layout::plain(Forms)),
+        role: Role::Effect(|compiler, written| compiler.children(Quorum::GATHER, written)),
+    },
+    SpecialForm {
+        names: &["settle"],
+        form: "(settle FORM...)",
+        doc: "Runs the forms concurrently until all have ended, and succeeds. The value is the list of all values in the order of the forms; that of a form that failed is its failure.",
+        example: "(print (map failurep (settle 'here (fail \"gone\"))))",
+        layout: Some(Layout::plain(Forms)),
+        role: Role::Effect(|compiler, written| compiler.children(Quorum::SETTLE, written)),
+    },
+    SpecialForm {
         names: &["plan", "partial-order"],
         form: "(plan (STEP...) (:order A B)...)",
         doc: "Runs the steps concurrently, B only when A is dead. Succeeds if all did; fails at the first failure.",
@@ -53,8 +69,8 @@ pub(super) const FORMS: &[SpecialForm] = &[
     },
     SpecialForm {
         names: &["par-map"],
-        form: "(par-map (NAME LIST) FORM...)",
-        doc: "As `par`, one child for each element.",
+        form: "(par-map (NAME LIST [:most N]) FORM...)",
+        doc: "As `par`, one child for each element; with `:most`, so many at a time.",
         example: "(par-map (seconds '(3 1 2))\n  (wait-time seconds)\n  (print seconds))",
         layout: Some(Layout::with(Body(1), &[Binding])),
         role: Role::Effect(|compiler, written| compiler.map_children(Quorum::PAR, written)),
@@ -69,11 +85,27 @@ pub(super) const FORMS: &[SpecialForm] = &[
     },
     SpecialForm {
         names: &["try-all-map"],
-        form: "(try-all-map (NAME LIST) FORM...)",
-        doc: "As `try-all`, one child for each element.",
+        form: "(try-all-map (NAME LIST [:most N]) FORM...)",
+        doc: "As `try-all`, one child for each element; with `:most`, so many at a time.",
         example: "",
         layout: Some(Layout::with(Body(1), &[Binding])),
         role: Role::Effect(|compiler, written| compiler.map_children(Quorum::TRY_ALL, written)),
+    },
+    SpecialForm {
+        names: &["gather-map"],
+        form: "(gather-map (NAME LIST [:most N]) FORM...)",
+        doc: "As `gather`, one child for each element; with `:most`, so many at a time.",
+        example: "(print (gather-map (seconds '(3 1 2) :most 2)\n  (wait-time seconds)\n  (* 10 seconds)))",
+        layout: Some(Layout::with(Body(1), &[Binding])),
+        role: Role::Effect(|compiler, written| compiler.map_children(Quorum::GATHER, written)),
+    },
+    SpecialForm {
+        names: &["settle-map"],
+        form: "(settle-map (NAME LIST [:most N]) FORM...)",
+        doc: "As `settle`, one child for each element; with `:most`, so many at a time.",
+        example: "",
+        layout: Some(Layout::with(Body(1), &[Binding])),
+        role: Role::Effect(|compiler, written| compiler.map_children(Quorum::SETTLE, written)),
     },
     SpecialForm {
         names: &["with-policy"],
@@ -163,7 +195,7 @@ impl Compiler<'_> {
         Ir { span: written.span, kind: IrKind::Construct(Box::new(construct)) }
     }
 
-    /// `(par-map (V LIST) FORM...)`: one child for each element.
+    /// `(par-map (V LIST [:most N]) FORM...)`: one child for each element.
     fn map_children(&mut self, quorum: Quorum, written: &Written<'_>) -> Ir {
         let (name, rest, span) = (written.form.name(), written.rest(), written.span);
         let header = rest.first().map(|&header| self.tree.items(header).to_vec()).unwrap_or_default();
@@ -171,11 +203,23 @@ impl Compiler<'_> {
             return self.nil(span);
         }
         let variable = header.first().and_then(|&name| self.tree.symbol(name));
-        let (Some(variable), [_, list]) = (variable.filter(|&name| self.is_bindable(name)), header.as_slice()) else {
-            return self.malformed(span, &format!("`({name} (NAME LIST) FORM...)`"));
+        let most = match header.as_slice() {
+            [_, _] => None,
+            &[_, _, word, most] if self.is_keyword(word, "most") => Some(most),
+            _ => return self.malformed_map(written),
         };
+        let Some(variable) = variable.filter(|&name| self.is_bindable(name)) else {
+            return self.malformed_map(written);
+        };
+        if most.is_some() && quorum == Quorum::PURSUE {
+            let message =
+                "`pursue-map` ends as the first child ends, so those that wait for their turn would never begin";
+            self.error("most-of-pursue", span, message, "no `:most` here").help =
+                Some("cut the list short, or write `try-all-map`, which goes on after a failure".into());
+        }
         let place = self.tree.span(header[0]);
-        let list = self.resolve(*list);
+        let list = self.resolve(header[1]);
+        let argument = most.map(|most| ArgumentIr::Most(Box::new(self.resolve(most))));
         let body_name = self.symbols.intern(name);
         let ((element, body), scope) = self.in_function(CodeKind::Task, false, |compiler| {
             let element = compiler.bind(variable, place);
@@ -191,8 +235,12 @@ impl Compiler<'_> {
             parts: Vec::new(),
         }];
         let children = vec![ChildIr { body, tag: None, name: None }];
-        let construct = ConstructIr { quorum, name: body_name, children, order: Vec::new(), argument: None };
+        let construct = ConstructIr { quorum, name: body_name, children, order: Vec::new(), argument };
         Ir { span, kind: IrKind::ConstructMap(Box::new(construct), Box::new(list)) }
+    }
+
+    fn malformed_map(&mut self, written: &Written<'_>) -> Ir {
+        self.malformed(written.span, &format!("`{}`", written.form.form))
     }
 
     fn with_policy(&mut self, written: &Written<'_>) -> Ir {

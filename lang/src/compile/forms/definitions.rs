@@ -65,7 +65,7 @@ pub(super) const FORMS: &[SpecialForm] = &[
     SpecialForm {
         names: &["def-goal"],
         form: "(def-goal (achieve (NAME PARAMETER...)) FORM...)",
-        doc: "Defines how goals of this name are achieved, by `(achieve (NAME ARGUMENT...))`. Several definitions of one goal are methods, tried in their order.",
+        doc: "Defines how goals of this name are achieved, by `(achieve (NAME ARGUMENT...))`. Several definitions of one goal are methods, tried in their order. Among parameters that begin with `?`, other names are words of the goal: `(achieve (the ?object on ?place))`.",
         example: "(def-goal (achieve (clean room))\n  (print room))\n(achieve (clean 'hall))",
         layout: Some(Layout::plain(Body(1))),
         role: Role::Naming(|compiler, written, _| compiler.define_goal(written.rest(), written.span)),

@@ -1,24 +1,150 @@
 //! Goals: `(def-goal (achieve (NAME PARAMETER...)) FORM...)` defines the plan `achieve-NAME`. Each
 //! further definition of the same goal is one more method, and the plan tries them in their order.
+//!
+//! Where a parameter begins with `?` and another name does not, that one is a word of the goal:
+//! `(achieve (the ?object on ?place))` defines the plan `achieve-(the ? on ?)`. By these names, which no
+//! text can have, the goals with words are found again.
 
+use super::special_form::{Role, SpecialForm, Written};
 use crate::code::{CodeKind, GlobalKind};
 use crate::compile::compiler::{Compiler, Methods};
+use crate::compile::ir::Ir;
 use crate::source::Span;
-use crate::symbol::{Qualifier, Symbol};
+use crate::symbol::{Qualifier, Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-const FORM: &str = "`(def-goal (achieve (NAME PARAMETER...)) FORM...)`";
+const FORM: &str =
+    "`(def-goal (achieve (NAME PARAMETER...)) FORM...)`, where names are words among parameters that begin with `?`";
 
 /// With the goal's name it makes the name of its plan.
 pub(in crate::compile) const PREFIX: &str = "achieve-";
 
+pub(super) const FORMS: &[SpecialForm] = &[SpecialForm {
+    names: &["achieve"],
+    form: "(achieve (NAME ARGUMENT...))",
+    doc: "Runs the plan that `def-goal` gave for such goals: its methods, tried in the order of their definition. Words of a goal are written as they are, the other elements are arguments.",
+    example: "(def-goal (achieve (the ?object on ?place))\n  (print (list ?object ?place)))\n(achieve (the 'cup on 'table))",
+    layout: None,
+    role: Role::Plain(|compiler, written| compiler.achieve(written)),
+}];
+
+/// A goal with words.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::compile) struct GoalPattern {
+    /// What stands behind its name: words, and none for a parameter.
+    elements: Vec<Option<Symbol>>,
+    /// The plan that achieves it.
+    plan: Symbol,
+}
+
+/// The goals of one name.
+#[derive(Default)]
+pub(in crate::compile) struct Goals {
+    /// Those with words, in the order of their definition.
+    patterns: Vec<GoalPattern>,
+    /// Whether there is one without words.
+    has_plain: bool,
+}
+
+/// What a plan achieves, by its name: the name of the goal, and its elements if it has words.
+fn achieved(plan: &str) -> Option<(&str, Option<Vec<&str>>)> {
+    let goal = plan.strip_prefix(PREFIX)?;
+    match goal.strip_prefix('(').and_then(|goal| goal.strip_suffix(')')) {
+        None => Some((goal, None)),
+        Some(goal) => {
+            let mut elements = goal.split(' ');
+            Some((elements.next()?, Some(elements.collect())))
+        }
+    }
+}
+
+/// Adds the goal that a plan achieves, if it achieves one.
+fn note(goals: &mut BTreeMap<Symbol, Goals>, symbols: &mut Symbols, plan: Symbol) {
+    let name = symbols.name(plan).to_string();
+    let Some((goal, elements)) = achieved(&name) else { return };
+    let goals = goals.entry(symbols.intern(goal)).or_default();
+    match elements {
+        None => goals.has_plain = true,
+        Some(elements) => {
+            let word = |element: &str| (element != "?").then(|| symbols.intern(element));
+            let pattern = GoalPattern { elements: elements.into_iter().map(word).collect(), plan };
+            if !goals.patterns.contains(&pattern) {
+                goals.patterns.push(pattern);
+            }
+        }
+    }
+}
+
 impl Compiler<'_> {
+    /// Notes the goals that the program has, and those that forms define, so that each can be achieved above its
+    /// definition.
+    pub(in crate::compile) fn note_goals(&mut self, forms: &[NodeId]) {
+        let mut known: Vec<(u32, Symbol)> = self.program.names.iter().map(|(&name, &global)| (global, name)).collect();
+        known.retain(|&(_, name)| self.symbols.name(name).starts_with(PREFIX));
+        known.sort_unstable();
+        let defined = forms.iter().filter_map(|&form| {
+            let is_goal = self.tree.head(form).is_some_and(|head| self.symbols.name(head) == "def-goal");
+            self.tree.items(form).get(1).copied().filter(|_| is_goal)
+        });
+        let defined: Vec<NodeId> = defined.collect();
+        let mut goals = BTreeMap::new();
+        known.into_iter().for_each(|(_, plan)| note(&mut goals, self.symbols, plan));
+        for goal in defined {
+            if let Some((plan, _)) = self.goal_plan(goal) {
+                note(&mut goals, self.symbols, plan);
+            }
+        }
+        self.goals = goals;
+    }
+
+    /// `(achieve (NAME ARGUMENT...))`
+    fn achieve(&mut self, written: &Written<'_>) -> Ir {
+        let form = "`(achieve (NAME ARGUMENT...))`";
+        let &[goal] = written.rest() else { return self.malformed(written.span, form) };
+        let Some(name) = self.tree.head(goal) else { return self.malformed(written.span, form) };
+        let elements = self.tree.items(goal)[1..].to_vec();
+        let symbols: Vec<Option<Symbol>> = elements.iter().map(|&element| self.tree.symbol(element)).collect();
+        let fits = |pattern: &&GoalPattern| {
+            let mut pairs = pattern.elements.iter().zip(&symbols);
+            pattern.elements.len() == symbols.len() && pairs.all(|(word, symbol)| word.is_none() || word == symbol)
+        };
+        let words = |pattern: &GoalPattern| pattern.elements.iter().flatten().count();
+        let goals = self.goals.get(&name);
+        let fitting = goals.iter().flat_map(|goals| &goals.patterns).filter(fits);
+        // The one with most words, of several the first.
+        let fitting = fitting.reduce(|best, other| if words(other) > words(best) { other } else { best });
+        let (plan, arguments) = match (fitting, goals) {
+            (Some(pattern), _) => {
+                let arguments = pattern.elements.iter().zip(&elements).filter(|(word, _)| word.is_none());
+                (pattern.plan, arguments.map(|(_, &argument)| argument).collect())
+            }
+            (None, Some(goals)) if !goals.has_plain => {
+                let known = goals.patterns.iter().filter_map(|goal| self.symbols.name(goal.plan).strip_prefix(PREFIX));
+                let known = known.map(|goal| format!("`{goal}`")).collect::<Vec<_>>().join(", ");
+                let place = self.tree.span(goal);
+                let text = self.program.sources.text_of(place).split_whitespace().collect::<Vec<_>>().join(" ");
+                self.error("unknown-goal", place, format!("no goal is like `{text}`"), "fits none").help =
+                    Some(format!("there is {known}: words stand as they are, and something for each `?`"));
+                return self.nil(written.span);
+            }
+            (None, _) => {
+                let plan = format!("{PREFIX}{}", self.symbols.name(name));
+                (self.symbols.intern(&plan), elements)
+            }
+        };
+        let plan = self.tree.atom(NodeKind::Symbol(plan), written.span);
+        let call = self.tree.list(&[&[plan], arguments.as_slice()].concat(), written.span);
+        self.resolve(call)
+    }
+
     pub(super) fn define_goal(&mut self, rest: &[NodeId], span: Span) {
         let Some((plan, parameters)) = rest.first().and_then(|&goal| self.goal_plan(goal)) else {
             self.malformed(span, FORM);
             return;
         };
+        note(&mut self.goals, self.symbols, plan);
         let body = &rest[1..];
         let Some(mut methods) = self.methods.remove(&plan) else {
             self.define_plan(plan, parameters, body, span);
@@ -53,10 +179,24 @@ impl Compiler<'_> {
         let is_achieve = self.tree.head(goal).is_some_and(|head| self.symbols.name(head) == "achieve");
         let &[_, head] = self.tree.items(goal) else { return None };
         let name = self.tree.head(head).filter(|_| is_achieve)?;
-        let parameters = self.tree.items(head)[1..].to_vec();
-        let parameters = self.tree.list(&parameters, self.tree.span(head));
-        let plan = format!("{PREFIX}{}", self.symbols.name(name));
-        Some((self.symbols.intern(&plan), parameters))
+        let elements = self.tree.items(head)[1..].to_vec();
+        let names: Vec<&str> =
+            elements.iter().map(|&node| self.tree.symbol(node).map_or("", |name| self.symbols.name(name))).collect();
+        let is_parameter = |name: &str| name.starts_with('?');
+        let (name, span) = (self.symbols.name(name), self.tree.span(head));
+        if !names.iter().any(|name| is_parameter(name)) || names.iter().all(|name| is_parameter(name)) {
+            let plan = format!("{PREFIX}{name}");
+            return Some((self.symbols.intern(&plan), self.tree.list(&elements, span)));
+        }
+        // Among words there is no other form of parameter.
+        if names.iter().any(|name| name.is_empty() || name.starts_with('&')) {
+            return None;
+        }
+        let shown: Vec<&str> = names.iter().map(|name| if is_parameter(name) { "?" } else { name }).collect();
+        let plan = format!("{PREFIX}({name} {})", shown.join(" "));
+        let parameters: Vec<NodeId> =
+            elements.iter().zip(&names).filter(|(_, name)| is_parameter(name)).map(|(&node, _)| node).collect();
+        Some((self.symbols.intern(&plan), self.tree.list(&parameters, span)))
     }
 
     fn define_plan(&mut self, name: Symbol, parameters: NodeId, body: &[NodeId], span: Span) {

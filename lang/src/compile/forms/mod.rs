@@ -22,7 +22,7 @@ use super::ir::Ir;
 use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::NodeId;
-pub(in crate::compile) use goal::PREFIX as GOAL_PREFIX;
+pub(in crate::compile) use goal::{Goals, PREFIX as GOAL_PREFIX};
 pub use special_form::SpecialForm;
 pub(super) use special_form::{Role, Written};
 
@@ -34,6 +34,7 @@ const TABLES: &[&[SpecialForm]] = &[
     assignment::FORMS,
     control::FORMS,
     definitions::FORMS,
+    goal::FORMS,
     constructs::FORMS,
     tasks::FORMS,
     handling::FORMS,

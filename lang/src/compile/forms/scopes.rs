@@ -1,6 +1,6 @@
 //! Forms around a body that runs in the same task: clean-ups, valves, hooks, suspension, fences.
 
-use super::special_form::{Role, SpecialForm};
+use super::special_form::{Role, SpecialForm, Written};
 use crate::code::CodeKind;
 use crate::compile::compiler::Compiler;
 use crate::compile::ir::{Function, Ir, IrKind, ScopeIr};
@@ -29,13 +29,11 @@ pub(super) const FORMS: &[SpecialForm] = &[
     },
     SpecialForm {
         names: &["with-valve"],
-        form: "(with-valve VALVE FORM...)",
-        doc: "Runs the forms holding the valve; it is given back however they end.",
+        form: "(with-valve VALVE [:timeout SECONDS] FORM...)",
+        doc: "Runs the forms holding the valve; it is given back however they end. With `:timeout`, fails with `timeout` if the valve is not given within that time; the forms take as long as they take.",
         example: "(def-valve arm-1)\n(with-valve arm-1\n  (wait-time 1))",
         layout: Some(Layout::plain(Body(1))),
-        role: Role::Effect(|compiler, written| {
-            compiler.with_value_scope(ScopeIr::Valve, "`(with-valve VALVE FORM...)`", written.rest(), written.span)
-        }),
+        role: Role::Effect(|compiler, written| compiler.with_valve(written)),
     },
     SpecialForm {
         names: &["on-interrupt"],
@@ -90,17 +88,20 @@ impl Compiler<'_> {
         Ir { span, kind: IrKind::Cleanup { always, body, cleanup } }
     }
 
-    fn with_value_scope(
-        &mut self,
-        scope: impl FnOnce(Box<Ir>) -> ScopeIr,
-        form: &str,
-        rest: &[NodeId],
-        span: Span,
-    ) -> Ir {
-        let Some((&value, body)) = rest.split_first() else { return self.malformed(span, form) };
-        let value = Box::new(self.resolve(value));
-        let body = Box::new(self.body(body, span));
-        Ir { span, kind: IrKind::Scope(scope(value), body) }
+    /// `(with-valve VALVE [:timeout SECONDS] FORM...)`
+    fn with_valve(&mut self, written: &Written<'_>) -> Ir {
+        let (seconds, valve, body) = match *written.rest() {
+            [valve, word, seconds, ref body @ ..] if self.is_keyword(word, "timeout") => (Some(seconds), valve, body),
+            [_, word] if self.is_keyword(word, "timeout") => {
+                return self.malformed(written.span, &format!("`{}`", written.form.form));
+            }
+            [valve, ref body @ ..] => (None, valve, body),
+            [] => return self.malformed(written.span, &format!("`{}`", written.form.form)),
+        };
+        let valve = Box::new(self.resolve(valve));
+        let seconds = seconds.map(|seconds| Box::new(self.resolve(seconds)));
+        let body = Box::new(self.body(body, written.span));
+        Ir { span: written.span, kind: IrKind::Scope(ScopeIr::Valve { valve, seconds }, body) }
     }
 
     /// `(with-task-suspended (TASK) FORM...)`
@@ -108,9 +109,9 @@ impl Compiler<'_> {
         let form = "`(with-task-suspended (TASK) FORM...)`";
         let Some((&header, body)) = rest.split_first() else { return self.malformed(span, form) };
         let [task] = *self.tree.items(header) else { return self.malformed(span, form) };
-        let mut forms = vec![task];
-        forms.extend(body);
-        self.with_value_scope(ScopeIr::Suspended, form, &forms, span)
+        let task = Box::new(self.resolve(task));
+        let body = Box::new(self.body(body, span));
+        Ir { span, kind: IrKind::Scope(ScopeIr::Suspended(task), body) }
     }
 
     /// `(on-interrupt HOOK FORM...)`

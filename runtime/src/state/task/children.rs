@@ -5,6 +5,7 @@ use crate::state::value::{TaskRef, Value};
 use rpl_lang::code::{Quorum, Reg, Successes};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// How a construct ends, decided when one of its children does.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,7 +46,7 @@ pub struct Children {
     pub decided: Option<Decision>,
     /// Value of the last child by position, once it has succeeded.
     pub last_value: Value,
-    /// For a list: values of the children that have succeeded, in the order in which they did.
+    /// For a list: values of children, in its order.
     pub values: Vec<Value>,
     /// Failures of children, in the order in which they failed.
     pub failures: Vec<Value>,
@@ -53,6 +54,8 @@ pub struct Children {
     pub order: Vec<(u16, u16)>,
     /// For a partial order: the children that cannot start at once, by position.
     pub held: Vec<Held>,
+    /// For a map of which not all children begin at once: those that wait for their turn, by position.
+    pub later: VecDeque<TaskRef>,
     /// For a timeout: seconds, and the number of its timer.
     pub seconds: f64,
     /// The timer of a timeout; 0 while there is none.

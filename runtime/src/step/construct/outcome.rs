@@ -4,7 +4,7 @@ use crate::state::machine::Machine;
 use crate::state::task::{Children, Decision, Leaving, Scope, ScopeKind, State, Waiting, Wake};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
-use rpl_lang::code::{Failures, Quorum, Successes};
+use rpl_lang::code::{Failures, Quorum, Successes, Values};
 
 /// The outcome of a construct, before it is on the heap.
 enum Verdict {
@@ -21,18 +21,20 @@ enum Verdict {
 /// What the end of one child decides.
 fn verdict(children: &mut Children, state: State, result: Value, position: u32) -> Option<Verdict> {
     let is_last = position + 1 == children.total;
-    let Quorum { successes, failures, lists } = children.quorum;
+    let Quorum { successes, failures, values } = children.quorum;
     match (state, successes) {
         (State::Failed, _) if failures == Failures::Count(1) => return Some(Verdict::Failure(result)),
+        (State::Failed, _) if failures == Failures::Settled => set_value(children, position, result),
         (State::Failed, _) => children.failures.push(result),
-        (State::Succeeded, _) if lists => children.values.push(result),
+        (State::Succeeded, _) if values == Values::InOrder => set_value(children, position, result),
+        (State::Succeeded, _) if values == Values::AsTheyCame => children.values.push(result),
         (State::Succeeded, Successes::All) if is_last => children.last_value = result,
         (State::Succeeded, Successes::Last) if is_last => return Some(Verdict::Value(result)),
         (State::Succeeded, Successes::Count(_)) => return Some(Verdict::Value(result)),
         (State::Evaporated, Successes::Last) if is_last => return Some(Verdict::Value(Value::Nil)),
         _ => {}
     }
-    if lists && successes == Successes::Count(children.values.len() as u32) {
+    if values == Values::AsTheyCame && successes == Successes::Count(children.values.len() as u32) {
         return Some(Verdict::Values(std::mem::take(&mut children.values)));
     }
     // When no child is left, the end of the construct says it.
@@ -43,8 +45,15 @@ fn verdict(children: &mut Children, state: State, result: Value, position: u32) 
         Failures::Count(_) | Failures::All => {
             shortfall(children.quorum, children.values.len() + alive, children.total as usize)
         }
+        Failures::Settled => None,
     };
     message.map(|message| Verdict::Failures(message, std::mem::take(&mut children.failures)))
+}
+
+fn set_value(children: &mut Children, position: u32, value: Value) {
+    if let Some(place) = children.values.get_mut(position as usize) {
+        *place = value;
+    }
 }
 
 impl Machine {
@@ -81,8 +90,8 @@ impl Machine {
             }
             ScopeKind::Children(children) => {
                 children.alive -= 1;
-                let (decided, has_order, children_left) =
-                    (children.decided, !children.order.is_empty(), children.alive);
+                let (decided, children_left) = (children.decided, children.alive);
+                let (has_order, has_later) = (!children.order.is_empty(), !children.later.is_empty());
                 if decided.is_none() && children.expired_us.is_some() {
                     // The deadline was first: it waits for the resume no longer.
                     let timeout = self.timeout_failure(parent, scope);
@@ -97,6 +106,7 @@ impl Machine {
                 match (decided, verdict.map(|verdict| self.decision(parent, verdict))) {
                     (None, Some(decision)) => self.decide(around, parent, scope, decision),
                     (None, None) if has_order => self.start_successors(around, parent, scope, position as u16),
+                    (None, None) if has_later => self.start_next(around, parent, scope, position),
                     (Some(decision), _) if state == State::Failed => self.attach_failure(around, decision, result),
                     (None, None) if children_left > 0 => return,
                     (None, None) | (Some(_), _) => {}
@@ -158,6 +168,21 @@ impl Machine {
                 && self.tasks[child].state() == State::Created
             {
                 self.start_task(around, child);
+            }
+        }
+    }
+
+    /// A child of a map has ended: the next one that waits for its turn begins.
+    fn start_next(&mut self, around: &mut Surroundings<'_>, parent: u32, scope: u32, ended: u32) {
+        let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind else { return };
+        let had_begun = ended as usize + children.later.len() < children.total as usize;
+        while had_begun
+            && let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind
+            && let Some(next) = children.later.pop_front()
+        {
+            if let Some(next) = self.tasks.find_alive(next).filter(|&next| self.tasks[next].state() == State::Created) {
+                self.start_task(around, next);
+                return;
             }
         }
     }
@@ -244,15 +269,16 @@ fn verdict_at_end(children: Children) -> Verdict {
     let has_failed = match quorum.failures {
         Failures::Count(count) => failed >= count as usize,
         Failures::All => failed == total,
+        Failures::Settled => false,
     };
     match quorum.successes {
-        Successes::Count(_) if !quorum.lists => Verdict::Failures(all_failed(failed), failures),
+        Successes::Count(_) if quorum.values == Values::One => Verdict::Failures(all_failed(failed), failures),
         _ if has_failed => Verdict::Failures(format!("{failed} of {total} failed"), failures),
         Successes::Count(_) => {
             let message = shortfall(quorum, values.len(), total).unwrap_or_else(|| all_failed(failed));
             Verdict::Failures(message, failures)
         }
-        Successes::All | Successes::Last if quorum.lists => Verdict::Values(values),
+        Successes::All | Successes::Last if quorum.values != Values::One => Verdict::Values(values),
         Successes::All | Successes::Last => Verdict::Value(last_value),
     }
 }
@@ -260,9 +286,9 @@ fn verdict_at_end(children: Children) -> Verdict {
 /// What to say if so many children that have succeeded or still can, of so many, are too few.
 pub(super) fn shortfall(quorum: Quorum, left: usize, total: usize) -> Option<String> {
     match quorum.successes {
-        Successes::Count(count) if left < count as usize => Some(match quorum.lists {
-            true => format!("only {left} of {total} can succeed, and {count} must"),
-            false => all_failed(0),
+        Successes::Count(count) if left < count as usize => Some(match quorum.values {
+            Values::AsTheyCame | Values::InOrder => format!("only {left} of {total} can succeed, and {count} must"),
+            Values::One => all_failed(0),
         }),
         Successes::Count(_) | Successes::All | Successes::Last => None,
     }

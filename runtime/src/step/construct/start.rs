@@ -9,8 +9,10 @@ use crate::state::task::{Children, Held, Leaving, Naming, ScopeKind, State, Task
 use crate::state::value::Value;
 use crate::step::construct::outcome::shortfall;
 use crate::step::native::Surroundings;
-use rpl_lang::code::{Argument, Child, Construct, Failures, NO_REG, Quorum, Reg, Successes};
+use rpl_lang::code::{Argument, Child, Construct, Failures, NO_REG, Quorum, Reg, Successes, Values};
 use rpl_lang::kind::Kind;
+use rpl_lang::symbol::Symbol;
+use std::collections::VecDeque;
 
 fn sorted(order: &[(u16, u16)]) -> Vec<(u16, u16)> {
     let mut order = order.to_vec();
@@ -109,7 +111,7 @@ impl Machine {
         };
         let value_of = |machine: &Self, register: Reg| machine.scratch.stack[base + usize::from(register)];
         let mut quorum = construct.quorum;
-        let (mut number, mut seconds, mut active) = (None, None, false);
+        let (mut number, mut seconds, mut active, mut most) = (None, None, false, total);
         match construct.argument {
             Some(Argument::Priority(register)) => number = Some(self.priority_argument(value_of(self, register))?),
             Some(Argument::Deadline { seconds: register, active: is_active }) => {
@@ -118,6 +120,7 @@ impl Machine {
             Some(Argument::Quorum { successes, failures }) => {
                 quorum = self.quorum_argument(value_of(self, successes), value_of(self, failures))?;
             }
+            Some(Argument::Most(register)) => most = self.most_argument(construct.name, value_of(self, register))?,
             None => {}
         }
         let due_us = match seconds {
@@ -146,10 +149,14 @@ impl Machine {
             total: total as u32,
             decided: None,
             last_value: Value::Nil,
-            values: Vec::new(),
+            values: match quorum.values {
+                Values::InOrder => vec![Value::Nil; total],
+                Values::One | Values::AsTheyCame => Vec::new(),
+            },
             failures: Vec::new(),
             order: sorted(&construct.order),
             held: Vec::new(),
+            later: VecDeque::new(),
             seconds: seconds.and_then(Value::as_f64).unwrap_or(0.0),
             timer: 0,
             active: due_us.filter(|_| active).map(ActiveTime::Due),
@@ -157,7 +164,7 @@ impl Machine {
         };
         self.push_scope(ScopeKind::Children(Box::new(children)));
         let constraints = constraints_of(&construct.order, total);
-        let mut held = Vec::new();
+        let (mut held, mut later) = (Vec::new(), VecDeque::new());
         let mut rest = elements.unwrap_or_default();
         for position in 0..total {
             let (child, argument) = match rest {
@@ -177,11 +184,12 @@ impl Machine {
                 Some(&constraints @ 1..) if !self.tasks[index].is_leaving() => {
                     held.push(Held { position: position as u16, constraints, task: self.tasks.reference(index) });
                 }
+                _ if position >= most => later.push_back(self.tasks.reference(index)),
                 _ => self.start_task(around, index),
             }
         }
         if let ScopeKind::Children(children) = &mut self.tasks[parent].scopes[scope as usize].kind {
-            children.held = held;
+            (children.held, children.later) = (held, later);
         }
         if let Some(due_us) = due_us {
             self.set_deadline(parent, scope, due_us);
@@ -263,6 +271,17 @@ impl Machine {
             None => return (priority, depth),
         };
         (self.priorities.appended(priority, usize::from(depth), appended), depth + 1)
+    }
+
+    /// What was told by `:most`.
+    fn most_argument(&self, form: Symbol, value: Value) -> Result<usize, Raise> {
+        match value {
+            Value::Int(count @ 1..) => Ok(usize::try_from(count).unwrap_or(usize::MAX)),
+            _ => {
+                let which = format!("`:most` of `{}`", self.symbols.name(form));
+                Err(self.wrong_type(&which, "an integer from 1 on", value))
+            }
+        }
     }
 
     /// What `quorum` was told.

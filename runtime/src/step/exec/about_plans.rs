@@ -31,7 +31,7 @@ impl Machine {
             Op::PushCleanup(distance) => self.push_cleanup(place, distance),
             Op::BeginCleanup => self.begin_cleanup(),
             Op::EndCleanup => self.end_cleanup(around),
-            Op::PushValve(a) => self.push_valve(around, place, a),
+            Op::PushValve(a, seconds) => self.push_valve(around, place, a, seconds),
             Op::PushOnInterrupt(a) => self.push_on_interrupt(place, a),
             Op::PushOnResume(a) => self.push_on_resume(place, a),
             Op::PushSuspended(a) => self.push_suspended(around, place, a),

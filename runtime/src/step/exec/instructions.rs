@@ -742,7 +742,7 @@ impl Machine {
                     Op::DefFluent(..) | Op::EnterPlan | Op::LeavePlan(_) | Op::TagNew(..) | Op::Parallel(..)
                     | Op::ParallelMap(..) | Op::Spawn(..) | Op::PushBlock(..) | Op::ReturnFrom(..)
                     | Op::PushHandler(..) | Op::PushCleanup(_) | Op::BeginCleanup | Op::EndCleanup
-                    | Op::PushValve(_) | Op::PushOnInterrupt(_) | Op::PushOnResume(_) | Op::PushSuspended(_)
+                    | Op::PushValve(..) | Op::PushOnInterrupt(_) | Op::PushOnResume(_) | Op::PushSuspended(_)
                     | Op::PushFence | Op::PushWatch(..) | Op::WatchWait | Op::WatchDone | Op::PopScopes(_)
                     | Op::LeaveScopes(..) | Op::Network(..) => {
                         hand_over!(self.plan_instruction(around, place, *op))

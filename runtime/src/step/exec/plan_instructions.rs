@@ -301,14 +301,25 @@ impl Machine {
         around: &mut Surroundings<'_>,
         place: &Cursor,
         valve: Reg,
+        seconds: Reg,
     ) -> Result<Proceed, Raise> {
         let value = self.register(place, valve);
         self.refuse_in_network("a valve cannot be requested")?;
         let Value::Valve(valve) = value else {
             return Err(self.wrong_type("what is held", Kind::Valve.noun(), value));
         };
+        let due_us = match seconds {
+            NO_REG => None,
+            seconds => {
+                let seconds = self.register(place, seconds);
+                Some(self.instant_after(seconds, || "`:timeout` of `with-valve`".into())?)
+            }
+        };
         let task = self.current;
         let granted = self.request_valve(around, task, valve)?;
+        if let (false, Some(due_us)) = (granted, due_us) {
+            self.set_request_timer(task, due_us);
+        }
         // The scope is entered when the valve is there: it is pushed now, and a release of what is
         // not held does nothing.
         self.push_scope(ScopeKind::Valve(valve));

@@ -65,19 +65,26 @@ impl Machine {
         fluent: Value,
         value: Value,
     ) -> Result<(), Raise> {
+        let fluent = self.assignable(fluent)?;
+        self.assign(around, fluent, value);
+        Ok(())
+    }
+
+    /// The fluent that this value is, if a plan may assign it.
+    pub(crate) fn assignable(&self, fluent: Value) -> Result<u32, Raise> {
         let Value::Fluent(fluent) = fluent else {
             return Err(self.wrong_type("what is assigned", Kind::Fluent.noun(), fluent));
         };
         match self.fluents[fluent].origin {
-            Origin::Plan => {}
+            Origin::Plan => Ok(fluent),
             Origin::System => {
                 let name = self.fluent_name(fluent);
-                return Err(Raise::type_error(format!("`{name}` is set by the robot; a plan can only read it")));
+                Err(Raise::type_error(format!("`{name}` is set by the robot; a plan can only read it")))
             }
-            _ => return Err(Raise::type_error("a network cannot be assigned; assign one of the fluents it reads")),
+            Origin::Network { .. } | Origin::Pulsed | Origin::Changed | Origin::Count => {
+                Err(Raise::type_error("a network cannot be assigned; assign one of the fluents it reads"))
+            }
         }
-        self.assign(around, fluent, value);
-        Ok(())
     }
 
     /// Assigns one fluent.

@@ -16,8 +16,8 @@ pub(super) const NATIVES: &[Native] = &[
     },
     Native {
         name: "fail-composite",
-        parameters: "parts",
-        doc: "Fails with a `composite-failure` that holds these failures.",
+        parameters: "parts &optional message",
+        doc: "Fails with a `composite-failure` that holds these failures; a message says more than how many ways there were.",
         effect: Effect::None,
         code: Plain(fail_composite),
     },
@@ -119,7 +119,11 @@ fn fail(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn fail_composite(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let parts = call.list(0)?;
-    Err(Raise::Again(call.machine.composite(call.machine.current, all_failed(parts.len()), parts)))
+    let message = match call.argument(1) {
+        Value::Nil => all_failed(parts.len()),
+        message => call.machine.show(call.around.program, message),
+    };
+    Err(Raise::Again(call.machine.composite(call.machine.current, message, parts)))
 }
 
 fn slot(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -29,6 +29,27 @@ pub(super) const NATIVES: &[Native] = &[
         code: Plain(set_value),
     },
     Native {
+        name: "%setf-together",
+        parameters: "&rest arguments",
+        doc: "Assigns fluents as one: each argument but every second one is a fluent, the one behind it its value.",
+        effect: Effect::Acts,
+        code: Plain(set_together),
+    },
+    Native {
+        name: "%named-fluent",
+        parameters: "name initial",
+        doc: "A new fluent that holds this value and is told by a name in traces and messages.",
+        effect: Effect::None,
+        code: Plain(named_fluent),
+    },
+    Native {
+        name: "%look",
+        parameters: "function",
+        doc: "What a function without parameters gives if it does no more than a network may.",
+        effect: Effect::None,
+        code: Plain(look),
+    },
+    Native {
         name: "pulse",
         parameters: "fluent",
         doc: "Makes a fluent true for one propagation without changing its value.",
@@ -86,6 +107,41 @@ fn set_value(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let (fluent, value) = (call.argument(0), call.argument(1));
     call.machine.assign_fluent(call.around, fluent, value)?;
     Ok(Reply::Value(value))
+}
+
+fn set_together(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let mut values: Vec<(u32, Value)> = Vec::new();
+    for pair in call.arguments.chunks(2) {
+        if let &[fluent, value] = pair {
+            let fluent = call.machine.assignable(fluent)?;
+            match values.iter_mut().find(|(known, _)| *known == fluent) {
+                Some((_, known)) => *known = value,
+                None => values.push((fluent, value)),
+            }
+        }
+    }
+    call.machine.assign_all(call.around, &values);
+    Ok(Reply::Value(call.arguments.last().copied().unwrap_or_default()))
+}
+
+fn named_fluent(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let name = call.name(0)?;
+    let name = call.machine.symbols.intern(&name);
+    let initial = call.argument(1);
+    Ok(Reply::Value(call.machine.create_fluent(Fluent::new(Some(name), initial, Origin::Plan))))
+}
+
+fn look(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let (code, captured) = match call.argument(0) {
+        Value::Function(code) => (code, Vec::new()),
+        Value::Closure(closure) => {
+            let closure = &call.machine.heap.closures[closure];
+            (closure.code, closure.captured.to_vec())
+        }
+        _ => return Err(call.wrong_type(0)),
+    };
+    let seen = call.machine.evaluate_code(call.around, code, &captured);
+    Ok(Reply::Value(seen.map_err(Raise::Again)?))
 }
 
 fn pulse(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

@@ -67,6 +67,17 @@ pub(super) const NATIVES: &[Native] = &[
         code: Plain(this_task),
     },
     Native {
+        name: "%suspended?",
+        parameters: "task",
+        doc: "Whether a task lives and is suspended now.",
+        effect: Effect::None,
+        code: Plain(|call| {
+            let task = call.named_task(0)?;
+            let tasks = &call.machine.tasks;
+            Ok(Reply::Value(Value::truth(tasks.find_alive(task).is_some_and(|task| tasks[task].is_held()))))
+        }),
+    },
+    Native {
         name: "task",
         parameters: "path",
         doc: "The living task with this path, or nil.",

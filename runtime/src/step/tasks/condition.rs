@@ -3,7 +3,7 @@
 use crate::state::fluent::Origin;
 use crate::state::machine::Machine;
 use crate::state::task::{ScopeKind, Waiting};
-use crate::state::timers::Alarm;
+use crate::state::timers::{Alarm, Timer};
 use crate::step::time::timers::is_current;
 use rpl_lang::code::Program;
 use std::collections::BTreeMap;
@@ -46,8 +46,8 @@ impl Machine {
 
     /// When timers end the waits of tasks. Cost: a look at all timers.
     pub fn wait_ends_us(&self) -> BTreeMap<u32, u64> {
-        let current =
-            self.timers.iter().filter(|timer| matches!(timer.alarm, Alarm::Wake(_)) && is_current(&self.tasks, timer));
+        let ends_wait = |timer: &Timer| matches!(timer.alarm, Alarm::Wake(_) | Alarm::Request { .. });
+        let current = self.timers.iter().filter(|timer| ends_wait(timer) && is_current(&self.tasks, timer));
         current.map(|timer| (timer.task.index, timer.deadline_us)).collect()
     }
 
