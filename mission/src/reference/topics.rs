@@ -124,7 +124,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "plans",
         "The robot's plans",
-        "go-to go-to-point take-bearings is-position-vague? fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure \
+        "go-to go-to-point take-bearings is-position-vague? fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure stay-at at-place \
          relocalize-when-necessary charge go-by-another-way deliver-by-another-way fetch-asking make-sure-of-position \
          give-up nearest-delivery-next charge-before another-way elsewhere-meanwhile \
          what-becomes-impossible-first ask-somebody position-before give-up-in-time",

@@ -1,5 +1,6 @@
 //! Plans on the simulated office robot, from text to trace.
 
+mod at_place;
 mod behaviours;
 mod bring;
 mod cases;
