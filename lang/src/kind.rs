@@ -101,6 +101,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "numbers",
             "priority",
             "radians",
+            "radius",
             "step",
             "to",
             "x",
