@@ -16,6 +16,7 @@ mod instructions;
 mod interruption;
 mod landmarks;
 mod mapless;
+mod moves;
 mod office;
 mod patience;
 mod policies;
