@@ -13,6 +13,7 @@ use crate::symbol::base_name;
 /// The macros of the library that are not laid out like a call, in the order of their names.
 const MACROS: &[(&str, Layout)] = &[
     ("assert-fails", Layout::plain(Body(1))),
+    ("at-place", Layout::plain(Body(1))),
     ("case", Layout { style: Body(1), leading: &[Form], rest: Clause }),
     ("cond", Layout { style: Call, leading: &[], rest: Clause }),
     ("def-revision", Layout::with(Body(2), &[Data, Data])),

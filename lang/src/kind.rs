@@ -13,6 +13,8 @@ pub enum Kind {
     Integer,
     /// A time as a number.
     Seconds,
+    /// An angle in radians as a number.
+    Angle,
     /// A string.
     Text,
     /// A list, the empty one included.
@@ -84,7 +86,6 @@ const WORDS: &[(Kind, &[&str])] = &[
         Kind::Number,
         &[
             "ahead",
-            "angle",
             "base",
             "charge",
             "degrees",
@@ -92,7 +93,6 @@ const WORDS: &[(Kind, &[&str])] = &[
             "exponent",
             "from",
             "from-or-to",
-            "heading",
             "high",
             "left",
             "limit",
@@ -101,9 +101,9 @@ const WORDS: &[(Kind, &[&str])] = &[
             "numbers",
             "priority",
             "radians",
+            "radius",
             "step",
             "to",
-            "turn",
             "x",
             "x0",
             "x1",
@@ -112,6 +112,7 @@ const WORDS: &[(Kind, &[&str])] = &[
             "y1",
         ],
     ),
+    (Kind::Angle, &["angle", "heading", "turn"]),
     (Kind::Integer, &["case", "count", "end", "integer", "integers", "length", "position", "start", "times"]),
     (Kind::Seconds, &["deadline", "patience", "seconds", "time"]),
     (
@@ -163,6 +164,7 @@ impl Kind {
             Kind::Number => "a number",
             Kind::Integer => "an integer",
             Kind::Seconds => "a number of seconds",
+            Kind::Angle => "an angle",
             Kind::Text => "a string",
             Kind::List | Kind::ListOrEnd => "a list",
             Kind::Vector => "a vector",

@@ -15,6 +15,7 @@ pub mod continuation;
 pub mod diagnostic;
 pub mod formatter;
 pub mod indentation;
+mod infix;
 pub mod kind;
 pub mod layout;
 pub mod lexer;

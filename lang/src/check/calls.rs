@@ -1,6 +1,8 @@
 //! Calls that must fail: of what is no function, with arguments it does not take, with a format
 //! that does not fit.
 
+use super::infix;
+use super::kinds::found_in;
 use super::known::Check;
 use super::walk::each_form;
 use crate::code::{Atom, Constant, GlobalKind, Parameters};
@@ -13,6 +15,9 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {
         each_form(root, &mut |ir| {
             let IrKind::Call(callee, arguments) = &ir.kind else { return };
+            if infix::called_operand(check, ir).is_some() {
+                return;
+            }
             match callee {
                 Callee::Global(global) => global_call(check, *global, arguments, ir.span, found),
                 Callee::Value(value) => value_call(check, value, arguments, ir.span, found),
@@ -103,7 +108,10 @@ pub(super) fn unknown_keywords(
     found: &mut Vec<Diagnostic>,
 ) {
     for pair in pairs.chunks(2) {
-        let Some(key) = check.keyword(&pair[0]).map(|key| check.name(key)) else { return };
+        let Some(key) = check.keyword(&pair[0]).map(|key| check.name(key)) else {
+            found.extend(no_keyword(check, name, known, pair, span));
+            return;
+        };
         let place = super::places::keyword(&check.subject.program.sources, span, pair[0].span, key);
         if !known.contains(&key) {
             let message = format!("`{name}` has no parameter `:{key}`");
@@ -120,6 +128,29 @@ pub(super) fn unknown_keywords(
             found.push(check.warning("unknown-parameter", place, message, "a value is missing"));
         }
     }
+}
+
+/// What stands where only pairs of keyword and value are taken, and visibly begins none.
+fn no_keyword(check: &Check<'_>, name: &str, known: &[&str], pair: &[Ir], call: Span) -> Option<Diagnostic> {
+    let [first, rest @ ..] = pair else { return None };
+    let what = match (found_in(check, first), rest) {
+        (Some(found), _) => format!("is {}", found.noun()),
+        (None, []) => "has no keyword".to_string(),
+        (None, _) => return None,
+    };
+    // What a macro has copied has the place of the whole call.
+    let shown = (first.span != call).then(|| match check.quoted(first) {
+        Some(symbol) => format!("'{}", check.name(symbol)),
+        None => check.shown(first),
+    });
+    let subject = shown.as_ref().map_or("one argument".to_string(), |shown| format!("`{shown}`"));
+    let message = format!("`{name}` takes only keywords with values here, and {subject} {what}");
+    let warning = check.warning("unknown-parameter", check.narrowed(call, first), message, "a keyword is missing");
+    Some(warning.help(match known {
+        [] => "it has no parameters".to_string(),
+        [only] => format!("write `:{only} {}`", shown.as_deref().unwrap_or("VALUE")),
+        many => format!("it has {}", many.iter().map(|known| format!("`:{known}`")).collect::<Vec<_>>().join(", ")),
+    }))
 }
 
 /// Directives of a format that have no argument, and arguments that have no directive.

@@ -198,7 +198,7 @@ fn may_wait_or_fail(check: &Check<'_>, ir: &Ir) -> bool {
     waits
 }
 
-fn policy_never_waits(check: &Check<'_>, policy: &Function) -> Option<Diagnostic> {
+pub(super) fn policy_never_waits(check: &Check<'_>, policy: &Function) -> Option<Diagnostic> {
     if matches!(policy.body.kind, IrKind::Nil) || may_wait_or_fail(check, &policy.body) {
         return None;
     }

@@ -34,7 +34,8 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         IrKind::Call(Callee::Native(native), arguments) => {
             let name = check.native_call(ir).map_or("", |(name, _)| name);
             let signature = &check.subject.natives[usize::from(*native)];
-            let wants_number = |at| matches!(kind_of(signature, at), Kind::Number | Kind::Integer | Kind::Seconds);
+            let wants_number =
+                |at| matches!(kind_of(signature, at), Kind::Number | Kind::Integer | Kind::Seconds | Kind::Angle);
             let numbers = arguments.iter().enumerate().filter(|&(at, _)| wants_number(at));
             computed_with(check, ir, numbers.map(|(_, argument)| argument), found);
             if let ("equal", [left, right]) = (name, arguments.as_slice()) {

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 /// What a form visibly stands for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Found {
+pub(super) enum Found {
     Nil,
     True,
     Integer,
@@ -29,7 +29,7 @@ enum Found {
 }
 
 impl Found {
-    fn noun(self) -> &'static str {
+    pub(super) fn noun(self) -> &'static str {
         match self {
             Found::Nil => "nil",
             Found::True => "t",
@@ -53,7 +53,7 @@ impl Found {
         match kind {
             Kind::Any | Kind::ListOrEnd => true,
             // A fluent as a number is told by a rule of its own.
-            Kind::Number | Kind::Seconds => matches!(self, Found::Integer | Found::Float | Found::Fluent),
+            Kind::Number | Kind::Seconds | Kind::Angle => matches!(self, Found::Integer | Found::Float | Found::Fluent),
             Kind::Integer => matches!(self, Found::Integer | Found::Fluent),
             Kind::Text => self == Found::Text,
             Kind::List => matches!(self, Found::List | Found::Nil),
@@ -168,7 +168,7 @@ pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
 }
 
 /// What a form visibly stands for; none if it may be anything.
-fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
+pub(super) fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
     match ir.kind {
         IrKind::Nil => Some(Found::Nil),
         IrKind::True => Some(Found::True),
@@ -218,7 +218,7 @@ fn wrong_kind(check: &Check<'_>, form: &str, kind: Kind, around: Span, ir: &Ir, 
 
 fn advice(check: &Check<'_>, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
     match (kind, found) {
-        (Kind::Seconds | Kind::Number | Kind::Integer, Found::Text) => {
+        (Kind::Seconds | Kind::Number | Kind::Angle | Kind::Integer, Found::Text) => {
             let IrKind::Const(constant) = ir.kind else { return None };
             let Constant::Atom(Atom::Str(text)) = check.constant(constant) else { return None };
             time_in_string(text).map(|number| format!("write `{number}`, without quotes"))

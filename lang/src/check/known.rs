@@ -8,8 +8,8 @@ use crate::compile::ir::{Callee, Function, Ir, IrKind, VarId};
 use crate::compile::resolved::Defined;
 use crate::compile::{NativeSignature, Resolved};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::lexer::find_name;
-use crate::source::Span;
+use crate::lexer::{Token, find_name, lex};
+use crate::source::{SourceId, Span};
 use crate::symbol::{Symbol, Symbols};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -71,6 +71,9 @@ pub(super) struct Effects {
     pub(super) fails: bool,
 }
 
+/// The words of a text with their places.
+pub(super) type Tokens = Rc<Vec<(Token, Span)>>;
+
 /// Everything the rules ask for.
 pub(super) struct Check<'a> {
     pub(super) subject: Subject<'a>,
@@ -84,6 +87,8 @@ pub(super) struct Check<'a> {
     pub(super) effects: RefCell<BTreeMap<u32, Rc<Effects>>>,
     /// Whether calls come to an end; none while that is being found out.
     pub(super) ends: RefCell<BTreeMap<u32, Option<bool>>>,
+    /// The words of texts, without comments, found out when they are asked for.
+    tokens: RefCell<BTreeMap<SourceId, Tokens>>,
 }
 
 impl<'a> Check<'a> {
@@ -100,7 +105,15 @@ impl<'a> Check<'a> {
         let natives =
             subject.natives.iter().enumerate().map(|(number, native)| (native.name.as_str(), number as u16)).collect();
         let bindings = texts.map(Bindings::of).collect();
-        Self { subject, functions, bindings, natives, effects: RefCell::default(), ends: RefCell::default() }
+        Self {
+            subject,
+            functions,
+            bindings,
+            natives,
+            effects: RefCell::default(),
+            ends: RefCell::default(),
+            tokens: RefCell::default(),
+        }
     }
 
     pub(super) fn known(&self, global: u32) -> Option<KnownFunction<'_>> {
@@ -183,10 +196,33 @@ impl<'a> Check<'a> {
         }
     }
 
+    /// The number a form is.
+    pub(super) fn number(&self, ir: &Ir) -> Option<f64> {
+        match ir.kind {
+            IrKind::Int(number) => Some(number as f64),
+            IrKind::Const(constant) => match self.constant(constant) {
+                Constant::Atom(Atom::Float(number)) => Some(*number),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
     /// Whether a place is in the text that is checked, not in the library.
     pub(super) fn is_own(&self, span: Span) -> bool {
         let library = self.subject.library.iter().flat_map(|text| &text.definitions);
         library.map(|definition| definition.span.source).max().is_none_or(|last| span.source > last)
+    }
+
+    /// The words of a text, without comments.
+    pub(super) fn tokens(&self, source: SourceId) -> Tokens {
+        let mut known = self.tokens.borrow_mut();
+        let tokens = known.entry(source).or_insert_with(|| {
+            let (mut tokens, _) = lex(&self.subject.program.sources.get(source).text, source);
+            tokens.retain(|(token, _)| !token.is_comment());
+            Rc::new(tokens)
+        });
+        tokens.clone()
     }
 
     /// A warning at a form: the whole of it if it stands in one line, else its head.

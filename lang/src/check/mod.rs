@@ -7,17 +7,22 @@
 //! A comment `; check: allow RULE`, in the line of a warning or in the line above, takes the
 //! warning away.
 
+mod angles;
 mod behaviours;
 mod bindings;
 mod calls;
+mod claims;
 mod conditions;
 mod effects;
 mod flow;
 mod fluents;
+mod infix;
 mod kinds;
 mod known;
 mod names;
 mod places;
+mod policies;
+mod quotes;
 mod rules;
 mod suspension;
 mod unknown_places;
@@ -49,6 +54,11 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     kinds::find(&check, found);
     behaviours::find(&check, found);
     unknown_places::find(&check, found);
+    angles::find(&check, found);
+    infix::find(&check, found);
+    quotes::find(&check, found);
+    policies::find(&check, found);
+    claims::find(&check, found);
     valve_order::find(&check, found);
     suspension::find(&check, found);
     let faulty = check.faulty(errors);

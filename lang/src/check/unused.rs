@@ -1,6 +1,7 @@
 //! Bindings nobody reads, and values nobody uses.
 
 use super::bindings::BoundBy;
+use super::infix::stray_operator;
 use super::known::Check;
 use super::places;
 use super::walk::each_form;
@@ -101,11 +102,14 @@ fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
 /// Forms of which the value is lost and that do nothing else.
 fn unused_values(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
     match &ir.kind {
+        // What stands around an operator is told as that.
+        IrKind::Seq(items) if stray_operator(check, items).is_some() => {}
         IrKind::Seq(items) => {
             let lost = items.split_last().map_or(&[][..], |(_, lost)| lost);
             lost.iter().for_each(|item| found.extend(unused_value(check, ir.span, item)));
         }
         IrKind::Loop(body) => match &body.kind {
+            IrKind::Seq(items) if stray_operator(check, items).is_some() => {}
             IrKind::Seq(items) => {
                 found.extend(items.last().and_then(|last| unused_value(check, ir.span, last)));
             }
@@ -136,7 +140,7 @@ fn unused_value(check: &Check<'_>, around: Span, ir: &Ir) -> Option<Diagnostic> 
 }
 
 /// Whether evaluating a form can only give its value or fail.
-fn is_idle(check: &Check<'_>, ir: &Ir) -> bool {
+pub(super) fn is_idle(check: &Check<'_>, ir: &Ir) -> bool {
     match &ir.kind {
         IrKind::Int(_) | IrKind::Const(_) | IrKind::Local(_) | IrKind::Global(_) | IrKind::Lambda(_) => true,
         IrKind::Binary(_, left, right) => is_idle(check, left) && is_idle(check, right),

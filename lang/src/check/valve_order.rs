@@ -32,7 +32,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
 }
 
 /// Whether the text asks for valves by a call, so that what it holds where is not visible.
-fn requests_by_hand(check: &Check<'_>) -> bool {
+pub(super) fn requests_by_hand(check: &Check<'_>) -> bool {
     let mut found = false;
     for root in check.roots() {
         each_form(root, &mut |ir| {

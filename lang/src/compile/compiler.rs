@@ -6,6 +6,7 @@ use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
+use crate::infix::infix_in;
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
@@ -203,7 +204,16 @@ impl<'a> Compiler<'a> {
     }
 
     pub(super) fn malformed(&mut self, span: Span, form: &str) -> Ir {
-        self.error("malformed", span, format!("this is not of the form {form}"), format!("expected {form}"));
+        let help = match form.starts_with("`(NAME VALUE") {
+            true => infix_in(&self.program.sources, span, 1),
+            false => infix_in(&self.program.sources, span, 2),
+        }
+        .map(|infix| match infix.operator == "=" && form.contains("VALUE") {
+            true => "leave out the `=`".to_string(),
+            false => infix.advice(),
+        });
+        self.error("malformed", span, format!("this is not of the form {form}"), format!("expected {form}")).help =
+            help;
         self.nil(span)
     }
 

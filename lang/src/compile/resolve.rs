@@ -6,6 +6,7 @@ use super::compiler::Compiler;
 use super::intrinsics::intrinsic;
 use super::ir::{Callee, Ir, IrKind};
 use super::meaning::Meaning;
+use crate::infix::infix_in;
 use crate::kind::Kind;
 use crate::source::Span;
 use crate::stack::deep;
@@ -106,8 +107,10 @@ impl Compiler<'_> {
             NodeKind::List { .. } | NodeKind::Object(_) | NodeKind::Hole => self.call_value(head, &items[1..], span),
             _ => {
                 let place = self.tree.span(head);
+                let infix = infix_in(&self.program.sources, span, 1);
+                let help = infix.map_or("quote the list if it is data: `'(…)`".to_string(), |infix| infix.advice());
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
-                    Some("quote the list if it is data: `'(…)`".into());
+                    Some(help);
                 self.nil(span)
             }
         }

@@ -6,6 +6,7 @@ use super::foreign;
 use super::forms::{GOAL_PREFIX, special_names};
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;
+use crate::infix::infix_in;
 use crate::lexer::find_name;
 use crate::number::begins_like_number;
 use crate::number::unit_names;
@@ -59,7 +60,9 @@ impl Compiler<'_> {
                 let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
                 let suggestion = self.suggestion(&text, &locals, is_argument);
                 let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
-                let help = foreign.or(unit).or(suggestion).or(goal).or(quoted);
+                let keyword = text.strip_suffix(':').filter(|name| !name.is_empty());
+                let keyword = keyword.map(|name| format!("the colon of a keyword stands first: `:{name}`"));
+                let help = foreign.or(unit).or(keyword).or(suggestion).or(goal).or(quoted);
                 self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
                     help;
             }
@@ -216,7 +219,11 @@ impl Compiler<'_> {
 
     pub(super) fn arity_error(&mut self, name: &str, count: usize, expected: &str, span: Span) -> &mut Diagnostic {
         let given = if count == 1 { "1 is given".to_string() } else { format!("{count} are given") };
-        self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"))
+        let help = infix_in(&self.program.sources, span, 2).map(|infix| infix.advice());
+        let error =
+            self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"));
+        error.help = help;
+        error
     }
 }
 

@@ -44,7 +44,9 @@ fn add(datum: &Datum, symbols: &mut Symbols, tree: &mut Tree) -> NodeId {
 
 fn datum_of(node: NodeId, symbols: &Symbols, tree: &Tree) -> Datum {
     match &tree.get(node).kind {
-        NodeKind::Symbol(symbol) => Datum::Symbol(symbols.name(*symbol).to_string()),
+        NodeKind::Symbol(symbol) | NodeKind::Qualified { written: symbol, .. } => {
+            Datum::Symbol(symbols.name(*symbol).to_string())
+        }
         NodeKind::Keyword(symbol) => Datum::Keyword(symbols.name(*symbol).to_string()),
         NodeKind::Int(value) => Datum::Int(*value),
         NodeKind::Float(value) => Datum::Float(value.to_bits()),

@@ -125,7 +125,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "plans",
         "The robot's plans",
-        "go-to go-to-point take-bearings is-position-vague? fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure \
+        "go-to go-to-point take-bearings is-position-vague? fetch pick-up pick-up-again is-spot-at? put-down bring deliver look-until-sure stay-at at-place spin drive-ahead back-up \
          relocalize-when-necessary charge go-by-another-way deliver-by-another-way fetch-asking make-sure-of-position \
          give-up nearest-delivery-next charge-before another-way elsewhere-meanwhile \
          what-becomes-impossible-first ask-somebody position-before give-up-in-time",
@@ -143,13 +143,13 @@ pub const TOPICS: &[Topic] = &[
         "behaviours",
         "The robot's behaviours, valves and fluents",
         "activate deactivate await-signal run-behaviour navigation active-localization position-tracking gripper \
-         look-around wheels arm x* y* o* pos-certainty* position-lost* odometry-slip* map-misfit* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
+         look-around move-by-odometry wheels arm x* y* o* pos-certainty* position-lost* odometry-slip* map-misfit* navigation-active?* nr-of-nav-goals* travel-mode* region* speed* bumped?* \
          holding* battery* messages* read-message",
     ),
     topic(
         "robot",
         "The robot's functions",
-        "place place-pose at-destination? distance-to drive-time charging-places region-of generate-navigation-plan plan-remove-all-goals \
+        "place place-pose at-destination? distance-to drive-time charging-places region-of generate-navigation-plan plan-remove-all-goals forget-obstacles \
          set-travel-mode doubt-position belief-maxima locate set-position odometry-pose odometry-in-map",
     ),
     topic(

@@ -82,6 +82,12 @@ impl DriveLimits {
             + translation_mps * translation_mps / (2.0 * self.translation_deceleration_mps2)
     }
 
+    /// The speed from which the robot stands within a way: the inverse of [`Self::stopping_distance_m`].
+    pub fn speed_to_stop_in_mps(&self, way_m: f64) -> f64 {
+        let (late_s, braking_mps2) = (COMMAND_STEPS * self.step_s, self.translation_deceleration_mps2);
+        braking_mps2 * (libm::sqrt(late_s * late_s + 2.0 * way_m.max(0.0) / braking_mps2) - late_s)
+    }
+
     /// The velocity a step later when another is wanted.
     pub fn towards(&self, now: Velocity, wanted: Velocity) -> Velocity {
         let towards = |from: f64, to: f64, most: f64| from + (to - from).clamp(-most, most);

@@ -8,6 +8,7 @@ use super::models::{DriveRecord, GraspRecord, Missed, Models, TimedDrive};
 use super::ways::{Way, WayMap, Ways};
 use crate::description::{BatteryDescription, GripperDescription};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
+use crate::navigation::{MoveGoal, RelativeMove};
 use crate::planning::Target;
 use rpl_random::Stream;
 use std::collections::{BTreeMap, BTreeSet};
@@ -144,6 +145,9 @@ impl Streams {
         }
     }
 }
+
+/// A way that is longer than a straight stretch by this factor leads around something.
+const MOST_DETOUR: f64 = 1.3;
 
 /// Nearer than this, and turned by less, is the same place: as maxima of a belief are told apart.
 const SAME_PLACE_M: f64 = 0.5;
@@ -321,7 +325,12 @@ impl AbstractRobot {
             UnderWay::Grasping(thing) => self.end_grasp(thing, outcome == Outcome::Done),
             UnderWay::Releasing if outcome == Outcome::Done => self.let_go(),
             UnderWay::Searching if outcome == Outcome::Done => self.is_lost = false,
-            UnderWay::Releasing | UnderWay::Looking | UnderWay::Searching | UnderWay::Acting(..) => {}
+            UnderWay::Moving(goal) if outcome == Outcome::Done => self.robot_in_map = goal.from_pose(self.robot_in_map),
+            UnderWay::Moving(_)
+            | UnderWay::Releasing
+            | UnderWay::Looking
+            | UnderWay::Searching
+            | UnderWay::Acting(..) => {}
         }
         Some((doing, outcome))
     }
@@ -378,6 +387,11 @@ impl AbstractRobot {
         self.found_closed.iter().filter(is_closed).copied().collect()
     }
 
+    /// Forgets which doors it has found closed.
+    pub fn forget_doors(&mut self, is_meant: impl Fn(usize) -> bool) {
+        self.found_closed.retain(|&door| !is_meant(door));
+    }
+
     /// A door was found closed before the run began.
     pub fn know_closed(&mut self, door: usize) {
         let closed_s = Models::closed_s(&mut Stream::new(self.streams.doors, &format!("door {door}")));
@@ -395,11 +409,29 @@ impl AbstractRobot {
             UnderWay::Grasping(thing) => self.grasp(thing),
             UnderWay::Releasing => self.release(),
             UnderWay::Looking => (self.knowledge.look_s, Outcome::Done),
+            UnderWay::Moving(goal) => self.move_by_odometry(map, *goal),
             UnderWay::Searching => self.search(),
             UnderWay::Acting(_, model) => self.act(model),
         };
         let activity = Activity { ends_us: self.now_us + microseconds(takes_s), outcome, asked: asked.clone() };
         self.doing.insert(asked.doing(), activity);
+    }
+
+    /// A turn, or a straight stretch, which is blocked where the map shows no straight way.
+    fn move_by_odometry(&self, map: WayMap<'_>, goal: MoveGoal) -> (f64, Outcome) {
+        let times = self.knowledge.drive_times;
+        match goal {
+            MoveGoal::Turn { turn_rad } => (times.turn_s_per_rad * turn_rad.abs(), Outcome::Done),
+            MoveGoal::Straight { ahead_m } => {
+                let end = goal.from_pose(self.robot_in_map);
+                let way = Way::over(&self.ways, map, self.robot_in_map, &[Target::through(end.point())]);
+                let way_m = way.map(|way| way.features().length_m());
+                match way_m.is_some_and(|way_m| way_m <= ahead_m.abs() * MOST_DETOUR) {
+                    true => (times.constant_s + times.office_s_per_m * ahead_m.abs(), Outcome::Done),
+                    false => (RelativeMove::PATIENCE_S, Outcome::Hindered(goal)),
+                }
+            }
+        }
     }
 
     /// Begins to drive over targets, in order: how long it drives, and how that ends.

@@ -1,6 +1,7 @@
 //! What a projected robot is asked to do, and how that ends.
 
 use super::act_model::ActModel;
+use crate::navigation::MoveGoal;
 use crate::planning::Target;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ pub enum Outcome {
     Empty,
     /// A door kept it from coming through for all its patience.
     DoorClosed(usize),
+    /// Something stands in the way of a move by the odometry.
+    Hindered(MoveGoal),
     /// The gripper closed on nothing.
     NotHeld(String),
     /// The gripper did not open.
@@ -34,6 +37,8 @@ pub enum Doing {
     Gripping,
     /// It looks around.
     Looking,
+    /// It moves by its odometry.
+    Moving,
     /// It searches for its position.
     Searching,
     /// Another module does something: the behaviour of this number.
@@ -58,6 +63,8 @@ pub enum UnderWay {
     Releasing,
     /// To look around.
     Looking,
+    /// To turn, or to drive straight on.
+    Moving(MoveGoal),
     /// To search for its position.
     Searching,
     /// What the behaviour of this number does, as its module declares it.
@@ -71,6 +78,7 @@ impl UnderWay {
             Self::Driving { .. } => Doing::Driving,
             Self::Grasping(_) | Self::Releasing => Doing::Gripping,
             Self::Looking => Doing::Looking,
+            Self::Moving(_) => Doing::Moving,
             Self::Searching => Doing::Searching,
             Self::Acting(behaviour, _) => Doing::Acting(*behaviour),
         }

@@ -20,6 +20,11 @@ pub struct WayFeatures {
 }
 
 impl WayFeatures {
+    /// Its length.
+    pub fn length_m(&self) -> f64 {
+        self.hallway_m + self.office_m + self.doorway_m
+    }
+
     /// Adds a stretch.
     pub fn add(&mut self, mode: TravelMode, length_m: f64) {
         match mode {

@@ -99,6 +99,11 @@ pub struct DoorMemory {
 }
 
 impl DoorMemory {
+    /// Forgets how doors stand, by their number.
+    pub fn forget_where(&mut self, is_meant: impl Fn(usize) -> bool) {
+        self.seen.retain(|seen| !is_meant(seen.door));
+    }
+
     /// Looks at the doorways at hand; `for_s` since the last look. A doorway is shut when no gap is
     /// wide enough for the robot. A leaf seen from the side may throw all sound away, so only from
     /// straight before it a door is seen open again.

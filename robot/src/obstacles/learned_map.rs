@@ -128,6 +128,14 @@ impl LearnedMap {
         self.log_odds.add(self.log_odds.around(touched), FELT_NATS);
     }
 
+    /// Forgets what was seen near a point.
+    pub fn forget_around(&mut self, point_in_odom: Point, reach_m: f64) {
+        for at in self.log_odds.disc(point_in_odom, reach_m) {
+            let nats = self.log_odds.nats(at);
+            self.log_odds.add(at, -nats);
+        }
+    }
+
     /// Halves what is known near a point: it holds the robot up, and may be wrong.
     pub fn doubt_around(&mut self, point_in_odom: Point, reach_m: f64) {
         for at in self.log_odds.disc(point_in_odom, reach_m) {

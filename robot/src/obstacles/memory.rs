@@ -178,6 +178,11 @@ impl ObstacleMemory {
         *self = Self { is_touched: self.is_touched, ..Self::default() };
     }
 
+    /// Forgets points.
+    pub fn forget_where(&mut self, is_meant: impl Fn(Point) -> bool) {
+        self.points.retain(|point| !is_meant(point.point_in_odom));
+    }
+
     /// The points, in `odom`.
     pub fn points(&self) -> &[RememberedPoint] {
         &self.points

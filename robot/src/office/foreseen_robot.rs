@@ -5,6 +5,7 @@
 use super::behaviours::active_localization;
 use super::behaviours::gripper::Gripping;
 use super::behaviours::look_around;
+use super::behaviours::move_by_odometry::{self, MovingByOdometry};
 use super::behaviours::navigation::{self, Navigating};
 use super::composition::Composition;
 use super::controller::Controller;
@@ -17,7 +18,7 @@ use crate::foresight::models::Models;
 use crate::foresight::ways::{ForeseenWays, WayMap, Ways};
 use crate::geometry::{Pose, Velocity};
 use crate::localization::Estimate;
-use crate::navigation::{MappedNavigation, Obstruction};
+use crate::navigation::{MappedNavigation, MoveHindrance, Obstruction};
 use crate::office::model::{MapModel, OfficeModel};
 use rpl_lang::symbol::Symbol;
 use rpl_runtime::robot::reading::Reading;
@@ -149,6 +150,12 @@ fn begun<M: Module>(controller: &mut Controller<M>, phases: Phases<'_>) -> Resul
                 }
             }
             Some(Doing::Looking) => UnderWay::Looking,
+            Some(Doing::Moving) => {
+                let odometry_in_odom = controller.board.position.odometry_in_odom();
+                let moving = part::<M, MovingByOdometry>(&mut controller.modules);
+                let Some(left) = moving.and_then(|moving| moving.left(odometry_in_odom)) else { continue };
+                UnderWay::Moving(left)
+            }
             Some(Doing::Searching) => UnderWay::Searching,
             Some(Doing::Acting(number)) => acting(&composition, number),
             None if spec.name == TRACKING => continue,
@@ -167,6 +174,7 @@ pub(super) fn doing<M: Module>(composition: &Composition<M>, behaviour: u16) -> 
         navigation::NAME => Some(Doing::Driving),
         "gripper" => Some(Doing::Gripping),
         look_around::NAME => Some(Doing::Looking),
+        move_by_odometry::NAME => Some(Doing::Moving),
         active_localization::NAME => Some(Doing::Searching),
         _ => composition.models.contains_key(&behaviour).then_some(Doing::Acting(behaviour)),
     }
@@ -282,6 +290,9 @@ impl<M: Module> ForeseenOffice<M> {
             Outcome::DoorClosed(door) => {
                 navigation::blocked(world, Some(Obstruction::Door(door)), self.robot.robot_in_map.point())
             }
+            Outcome::Hindered(goal) => {
+                move_by_odometry::blocked(MoveHindrance::Obstacle, goal, self.robot.robot_in_map)
+            }
             Outcome::NotHeld(thing) => Ending::failure("grasp-failure", format!("the gripper does not hold `{thing}`")),
             Outcome::NotOpened => Ending::failure("grasp-failure", "the gripper did not open"),
             Outcome::NotFound => Ending::failure("localization-failure", "the position is still not known"),
@@ -392,6 +403,7 @@ impl<M: Module> Outside for ForeseenOffice<M> {
                 None => UnderWay::Releasing,
             },
             Doing::Looking => UnderWay::Looking,
+            Doing::Moving => UnderWay::Moving(move_by_odometry::arguments(machine, arguments)?.0),
             Doing::Searching => UnderWay::Searching,
             Doing::Acting(number) => acting(&self.controller.composition, number),
         };

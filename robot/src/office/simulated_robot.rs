@@ -2,6 +2,7 @@
 //! knows; what its gripper does, a search for its position and its battery are those of the abstract robot.
 
 use super::behaviours::look_around::{self, LookingAround};
+use super::behaviours::move_by_odometry::{self, MovingByOdometry};
 use super::behaviours::navigation::{self, Navigating};
 use super::controller::Controller;
 use super::foreseen_robot::{ForeseenOffice, closed_doors, part};
@@ -34,6 +35,7 @@ const LEAF_M: f64 = 0.6;
 struct Numbers {
     navigation: Option<usize>,
     looking: Option<usize>,
+    moving: Option<usize>,
     navigation_fluents: usize,
 }
 
@@ -44,6 +46,7 @@ impl Numbers {
         Self {
             navigation: behaviour(navigation::NAME),
             looking: behaviour(look_around::NAME),
+            moving: behaviour(move_by_odometry::NAME),
             navigation_fluents: fluents.unwrap_or_default(),
         }
     }
@@ -62,6 +65,7 @@ pub(super) struct SimulatedOffice<M: Module> {
     /// Which of the behaviours that drive are at work.
     navigates: bool,
     looks: bool,
+    moves: bool,
     /// When its world makes the next step; while it stands with nothing to do, none is made.
     next_step_us: u64,
 }
@@ -72,15 +76,17 @@ impl<M: Module> SimulatedOffice<M> {
         let is_driving = |begun: &UnderWay| matches!(begun, UnderWay::Driving { .. });
         let navigates = office.begun.iter().any(is_driving);
         let looks = office.begun.contains(&UnderWay::Looking);
+        let is_moving = |begun: &UnderWay| matches!(begun, UnderWay::Moving(_));
+        let moves = office.begun.iter().any(is_moving);
         // These go on by themselves.
-        office.begun.retain(|begun| !is_driving(begun) && *begun != UnderWay::Looking);
+        office.begun.retain(|begun| !is_driving(begun) && !is_moving(begun) && *begun != UnderWay::Looking);
         office.ways.from_place_m = FROM_PLACE_M;
         let motion = motion(controller);
         let standing_in_odom = standing_in_odom(controller, &mut office, motion);
         let simulator = office.controller.model.simulator.clone();
         let world = SimulatedWorld::new(simulator, 0, now_us, office.robot.robot_in_map, motion, &[]);
         let numbers = Numbers::of(office.tables());
-        Self { office, numbers, world, motion, standing_in_odom, navigates, looks, next_step_us: now_us }
+        Self { office, numbers, world, motion, standing_in_odom, navigates, looks, moves, next_step_us: now_us }
     }
 
     fn step_us(&self) -> u64 {
@@ -90,7 +96,8 @@ impl<M: Module> SimulatedOffice<M> {
     /// Whether it stands, and nothing would move it.
     fn is_at_rest(&self) -> bool {
         let is_still = self.world.motion().velocity == Velocity::default();
-        is_still && !self.navigates && !self.looks && self.office.controller.board.drive_request == Velocity::default()
+        let is_active = self.navigates || self.looks || self.moves;
+        is_still && !is_active && self.office.controller.board.drive_request == Velocity::default()
     }
 
     /// Its world goes on from now, if it stood still.
@@ -131,6 +138,12 @@ impl<M: Module> SimulatedOffice<M> {
                 let Some(looking) = part::<M, LookingAround>(modules) else { return Ok(()) };
                 looking.start(0, &start, &mut board.position, tell)?;
                 self.looks = true;
+            }
+            Doing::Moving => {
+                let tell = &mut Telling::at(outbox, numbers.moving.unwrap_or_default(), 0);
+                let Some(moving) = part::<M, MovingByOdometry>(modules) else { return Ok(()) };
+                moving.start(0, &start, &mut board.position, tell)?;
+                self.moves = true;
             }
             Doing::Gripping | Doing::Searching | Doing::Acting(_) => {}
         }
@@ -178,6 +191,14 @@ impl<M: Module> SimulatedOffice<M> {
             let tell = &mut Telling::at(outbox, numbers.looking.unwrap_or_default(), 0);
             wanted = looking.step(&now, &mut board.position, tell).or(wanted);
             self.looks = outbox.endings.len() == endings;
+        }
+        let endings = outbox.endings.len();
+        if self.moves
+            && let Some(moving) = part::<M, MovingByOdometry>(modules)
+        {
+            let tell = &mut Telling::at(outbox, numbers.moving.unwrap_or_default(), 0);
+            wanted = moving.step(&now, &mut board.position, tell).or(wanted);
+            self.moves = outbox.endings.len() == endings;
         }
         wanted.unwrap_or_default()
     }
@@ -265,7 +286,9 @@ impl<M: Module> Outside for SimulatedOffice<M> {
         outbox: &mut Outbox,
     ) -> Result<(), Raise> {
         match self.office.doing(behaviour) {
-            Some(doing @ (Doing::Driving | Doing::Looking)) => self.begin(doing, machine, arguments, outbox),
+            Some(doing @ (Doing::Driving | Doing::Looking | Doing::Moving)) => {
+                self.begin(doing, machine, arguments, outbox)
+            }
             Some(Doing::Gripping | Doing::Searching | Doing::Acting(_)) | None => {
                 self.office.start(machine, behaviour, arguments, outbox)
             }
@@ -290,6 +313,12 @@ impl<M: Module> Outside for SimulatedOffice<M> {
                     looking.stop(0, why, &mut Telling::at(outbox, usize::from(behaviour), 0));
                 }
                 (self.looks, board.drive_request) = (false, Velocity::default());
+            }
+            Some(Doing::Moving) => {
+                if let Some(moving) = part::<M, MovingByOdometry>(modules) {
+                    moving.stop(0, why, &mut Telling::at(outbox, usize::from(behaviour), 0));
+                }
+                (self.moves, board.drive_request) = (false, Velocity::default());
             }
             Some(Doing::Gripping | Doing::Searching | Doing::Acting(_)) | None => {
                 self.office.stop(behaviour, why, outbox)

@@ -462,3 +462,19 @@ fn a_loop_is_left_at_its_first_test_whatever_that_looks_at() {
         ("(let ((i 9)) (loop while (>= i 3) (setq i nil)))", "an operand of `>=` must be a number, and it is nil"),
     ]);
 }
+
+/// r[def.parameters]
+#[test]
+fn what_stands_where_a_keyword_is_wanted_is_named() {
+    let with = |call: &str| format!("(defun wash (cups &key soap water) (list cups soap water)) {call}");
+    check_failures(&[
+        (
+            &with("(wash 3 'green 'cold)"),
+            "`wash` takes only keywords with values after its other arguments (`:soap`, `:water`), and here stands the symbol green",
+        ),
+        (&with("(wash 3 :soop 'green)"), "`wash` has no parameter `:soop`; did you mean `:soap`?"),
+        (&with("(wash 3 :heat 40)"), "`wash` has no parameter `:heat`; it has `:soap`, `:water`"),
+        (&with("(wash 3 :soap)"), "`:soap` has no value"),
+        ("(defun f (&key a) a) (f 1 2)", "`f` takes only keywords with values (`:a`), and here stands the integer 1"),
+    ]);
+}

@@ -12,6 +12,7 @@ const DEFINITIONS: &str = "
 (def-goal (achieve (clean room)) (list 'wiped room))
 (def-revision other-way (projection plan) (when (consp plan)) (cons 'seq plan) \"Another way.\")
 (def-fluent light 0)
+(def-queue trays :most 2)
 (def-plan shelve (item) (wait-time 1) (list 'shelved item))
 ";
 
@@ -56,6 +57,9 @@ const USES: &[&str] = &[
             (seq (wait-time 1) (swap-plan (value job) '(shelve 'cup)))))",
     "(list (seq (:tag step 1) (finished? step)) (finished? step))",
     "(other-way nil '((shelve 1)))",
+    "(let ((a (create-fluent 1)) (b (create-fluent 2))) (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
+    "(par (list (dequeue trays) (dequeue trays :if stringp)) (seq (enqueue trays 1) (enqueue trays \"two\") (value (queue-length trays))))",
+    "(with-parts-handled ((plan-failure (parts) (length parts))) (try-all (fail \"a\") (fail \"b\")))",
     "(with-foresight (:rules (library:last-step-first library:side-by-side) :horizon 60 :runs 2 :when (> light 3))
        (:tag one (shelve 'cup))
        (:tag two (shelve ',(+ 1 1))))",

@@ -8,6 +8,7 @@ use crate::layout::Layout;
 use crate::layout::Style::Body;
 use crate::source::Span;
 use crate::stack::deep;
+use crate::suggest::suggest;
 use crate::syntax::{NodeId, NodeKind};
 
 pub(super) const FORMS: &[SpecialForm] = &[
@@ -42,6 +43,12 @@ impl Compiler<'_> {
         let (condition, timeout) = match rest {
             [condition] => (*condition, None),
             [condition, word, seconds] if self.is_keyword(*word, "timeout") => (*condition, Some(*seconds)),
+            [_, word, _] if self.is_near_keyword(*word, "timeout") => {
+                let place = self.tree.span(*word);
+                self.error("malformed", place, "`wait-for` has no such option", "unknown option").help =
+                    Some("did you mean `:timeout`?".into());
+                return self.nil(span);
+            }
             _ => return self.malformed(span, "`(wait-for CONDITION)` or `(wait-for CONDITION :timeout SECONDS)`"),
         };
         let (fluent, owned) = self.condition(condition);
@@ -51,6 +58,10 @@ impl Compiler<'_> {
 
     pub(super) fn is_keyword(&self, node: NodeId, name: &str) -> bool {
         matches!(self.tree.get(node).kind, NodeKind::Keyword(word) if self.symbols.name(word) == name)
+    }
+
+    fn is_near_keyword(&self, node: NodeId, name: &str) -> bool {
+        matches!(self.tree.get(node).kind, NodeKind::Keyword(word) if suggest(self.symbols.name(word), [name].into_iter()).is_some())
     }
 
     /// `(whenever CONDITION [:missed MODE] FORM...)`
@@ -73,6 +84,12 @@ impl Compiler<'_> {
                 _ => drop(self.malformed(place, "`:missed :once`, `:missed :always` or `:missed :never`")),
             }
             body = forms;
+        } else if let [word, _, ..] = body
+            && self.is_near_keyword(*word, "missed")
+        {
+            let place = self.tree.span(*word);
+            self.error("malformed", place, "`whenever` has no such option", "unknown option").help =
+                Some("did you mean `:missed`?".into());
         }
         let (fluent, owned) = self.condition(condition);
         let nil = self.symbols.intern("nil");

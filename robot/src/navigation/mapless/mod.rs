@@ -11,6 +11,7 @@ mod ways;
 use super::driver::{Driver, NavigationOutput};
 use super::input::NavigationInput;
 use crate::avoidance::DriveLimits;
+use crate::geometry::Point;
 use crate::obstacles::{RememberedPoint, smoothed};
 use crate::planning::Target;
 use crate::sensors::{LaserScan, RangeSensor};
@@ -62,6 +63,11 @@ impl MaplessNavigation {
     /// What the sensors saw, heard and felt lately.
     pub fn remembered(&self) -> impl Iterator<Item = &RememberedPoint> {
         self.ways.heard.points().iter().chain(self.ways.scanned.points())
+    }
+
+    /// Forgets all that it has seen, or what it has seen near a point.
+    pub fn forget(&mut self, around_in_odom: Option<(Point, f64)>) {
+        self.ways.forget(around_in_odom, self.driver.now_s);
     }
 
     /// Bytes of map and planned way that an earlier state does not share.

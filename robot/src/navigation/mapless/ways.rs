@@ -70,6 +70,19 @@ impl SeenWays {
         };
     }
 
+    /// Forgets all that was seen, or what was seen near a point, and plans anew.
+    pub fn forget(&mut self, around_in_odom: Option<(Point, f64)>, now_s: f64) {
+        let is_meant = |point| around_in_odom.is_none_or(|(at, reach_m)| distance_m(at, point) <= reach_m);
+        self.heard.forget_where(is_meant);
+        self.scanned.forget_where(is_meant);
+        match around_in_odom {
+            Some((at, reach_m)) => self.seen.forget_around(at, reach_m),
+            None => self.seen = LearnedMap::new(self.seen.sharpest()),
+        }
+        self.plan = None;
+        self.next_look_s = now_s;
+    }
+
     /// Bytes of map and planned way that an earlier state does not share.
     pub fn bytes_apart(&self, earlier: &Self) -> usize {
         let is_same = |costs: &Arc<CostToGo>| earlier.costs.0.as_ref().is_some_and(|known| Arc::ptr_eq(known, costs));

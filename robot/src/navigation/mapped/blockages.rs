@@ -59,6 +59,11 @@ impl Blockages {
         }
     }
 
+    /// Forgets those that are meant.
+    pub fn forget_where(&mut self, is_meant: impl Fn(Point) -> bool) {
+        self.0.retain(|blockage| !is_meant(blockage.point_in_map()));
+    }
+
     /// Forgets what was added long ago, and what was seen and is seen to be gone: at these points something is seen.
     pub fn forget(&mut self, here: Point, seen_in_map: &[Point], now_s: f64) {
         self.0.retain(|blockage| {

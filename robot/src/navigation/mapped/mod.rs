@@ -131,6 +131,24 @@ impl MappedNavigation {
         unmapped.into_iter().map(|(point, _)| point).chain(self.ways.blockages.points_in_map()).collect()
     }
 
+    /// Forgets what it saw and found at these places of the map, doors found closed included. What stands there is seen
+    /// anew.
+    pub fn forget_where(
+        &mut self,
+        model: &NavigationModel,
+        estimated_in_map: Pose,
+        odometry_in_odom: Pose,
+        is_meant: impl Fn(Point) -> bool,
+    ) {
+        let odom_in_map = Transform::new(estimated_in_map.compose(odometry_in_odom.inverse()));
+        let ways = &mut self.ways;
+        ways.memory.forget_where(|point_in_odom| is_meant(odom_in_map.apply(point_in_odom)));
+        ways.blockages.forget_where(&is_meant);
+        let at = |door| model.doorways.iter().find(|doorway| doorway.door == door).map(|doorway| doorway.at);
+        ways.doors.forget_where(|door| at(door).is_some_and(&is_meant));
+        ways.next_look_s = self.driver.now_s;
+    }
+
     /// Whether it has come no nearer for long where the map shows a way, and no closed door explains it: the map may be
     /// another one than it is, or the robot elsewhere.
     pub fn is_held_up(&self) -> bool {

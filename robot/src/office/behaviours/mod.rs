@@ -4,6 +4,7 @@ pub(super) mod active_localization;
 pub(super) mod body;
 pub(super) mod gripper;
 pub(super) mod look_around;
+pub(super) mod move_by_odometry;
 pub(super) mod navigation;
 mod places;
 pub(super) mod position_tracking;
@@ -12,6 +13,7 @@ use self::active_localization::Localizing;
 use self::body::Body;
 use self::gripper::Gripping;
 use self::look_around::LookingAround;
+use self::move_by_odometry::MovingByOdometry;
 use self::navigation::Navigating;
 use self::places::Places;
 use self::position_tracking::PositionTracking;
@@ -30,6 +32,7 @@ crate::modules! {
         navigation: Navigating,
         gripper: Gripping,
         look_around: LookingAround,
+        move_by_odometry: MovingByOdometry,
         places: Places,
     }
 }

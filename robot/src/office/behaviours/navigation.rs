@@ -2,14 +2,15 @@
 
 use super::body::WHEELS;
 use super::places::named_place;
+use crate::foresight::abstract_robot::AbstractRobot;
 use crate::foresight::drive_times::{DriveTimes, WayFeatures};
 use crate::foresight::models::{DriveRecord, TimedDrive};
 use crate::foresight::ways::ForeseenWays;
-use crate::geometry::{Point, Pose, Velocity};
+use crate::geometry::{Point, Pose, Velocity, distance_m};
 use crate::navigation::{
     MaplessNavigation, MappedNavigation, NavigationEvent, NavigationModel, NavigationOutput, Obstruction,
 };
-use crate::office::functions::{act, board, look};
+use crate::office::functions::{act, board, look, model};
 use crate::office::model::OfficeModel;
 use crate::office::module::{Module, ModuleSpec, Moment, PlanText, Start, Telling, fluent, fluent_number};
 use crate::office::plan_text;
@@ -212,6 +213,12 @@ impl Module for Navigating {
                     "Deletes all target points of the navigation this task or one below it has started.",
                     remove_all_goals,
                 ),
+                act(
+                    "forget-obstacles",
+                    "&optional x y radius",
+                    "Forgets what was seen and felt to stand somewhere besides the map, and which doors were found closed: all of it, or what is within a radius of a point. What stands there is seen anew.",
+                    forget_obstacles,
+                ),
             ],
             plans: vec![
                 PlanText { name: "robot".into(), text: PLANS.into() },
@@ -376,7 +383,7 @@ fn targets_argument(machine: &Machine, points: Value) -> Result<Vec<Target>, Rai
 }
 
 /// How long the robot is to wait where it gets no nearer: seconds, at least 0; nil is the usual.
-fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
+pub(super) fn patience_argument(value: Value) -> Result<Option<f64>, Raise> {
     let wrong = || Raise::type_error("a patience is a time in seconds, at least 0, such as `:patience 2min`, or nil");
     match value {
         Value::Nil => Ok(None),
@@ -405,6 +412,32 @@ fn generate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
             slots: vec![("destination", destination)],
         }
     })
+}
+
+fn forget_obstacles(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let around = match call.arguments.len() {
+        0 => None,
+        3 => Some((Point::new(call.number(0)?, call.number(1)?), call.number(2)?)),
+        _ => {
+            return Err(Raise::type_error(
+                "`forget-obstacles` takes nothing, or a point and a radius: `(forget-obstacles X Y 1m)`",
+            ));
+        }
+    };
+    let is_meant = |point| around.is_none_or(|(at, radius_m)| distance_m(at, point) <= radius_m);
+    let model = model(call)?;
+    let position = &board(call)?.position;
+    let (estimated_in_map, odometry_in_odom) =
+        (position.estimate(model.map.as_ref()).pose_in_map, position.odometry_in_odom());
+    if let Ok(foreseen) = call.part::<AbstractRobot>() {
+        foreseen.forget_doors(|door| is_meant(model.world.doors[door].at));
+    }
+    let navigating = call.part::<Navigating>()?;
+    match &model.map {
+        Some(map) => navigating.mapped.forget_where(&map.navigation, estimated_in_map, odometry_in_odom, is_meant),
+        None => navigating.mapless.forget(around),
+    }
+    Ok(Reply::Value(Value::Nil))
 }
 
 fn remove_all_goals(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {

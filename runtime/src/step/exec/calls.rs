@@ -12,6 +12,7 @@ use crate::step::native::{Call as NativeCall, Reply, Surroundings};
 use rpl_lang::code::{Code, CodeKind, Parameters, Reg};
 use rpl_lang::compile::NativeSignature;
 use rpl_lang::kind::Kind;
+use rpl_lang::suggest::suggest;
 use std::borrow::Cow;
 
 impl Limits {
@@ -98,20 +99,11 @@ impl Machine {
                     (Some(at), Some(&value)) => arranged[keys + at] = value,
                     _ if parameters.rest => {}
                     (None, _) => {
-                        let names: Vec<String> =
-                            parameters.keys.iter().map(|&key| format!(":{}", self.symbols.name(key))).collect();
-                        let name = self.symbols.name(code.name);
-                        return Err(Raise::new(
-                            "arity-error",
-                            format!(
-                                "`{name}` takes the keywords {}, not {}",
-                                names.join(" "),
-                                self.describe_key(pair[0])
-                            ),
-                        ));
+                        return Err(self.no_such_keyword(code, pair[0]));
                     }
-                    (Some(_), None) => {
-                        return Err(Raise::new("arity-error", format!("{} has no value", self.describe_key(pair[0]))));
+                    (Some(at), None) => {
+                        let key = self.symbols.name(parameters.keys[at]);
+                        return Err(Raise::new("arity-error", format!("`:{key}` has no value")));
                     }
                 }
             }
@@ -120,11 +112,30 @@ impl Machine {
         Ok(())
     }
 
-    fn describe_key(&self, value: Value) -> String {
-        match value {
-            Value::Keyword(key) => format!("`:{}`", self.symbols.name(key)),
-            other => other.type_name().to_string(),
-        }
+    #[cold]
+    fn no_such_keyword(&self, code: &Code, given: Value) -> Raise {
+        let known: Vec<&str> = code.parameters.keys.iter().map(|&key| self.symbols.name(key)).collect();
+        let listed = known.iter().map(|key| format!("`:{key}`")).collect::<Vec<_>>().join(", ");
+        let name = self.symbols.name(code.name);
+        Raise::new(
+            "arity-error",
+            match given {
+                Value::Keyword(key) => {
+                    let key = self.symbols.name(key);
+                    let help = match suggest(key, known.iter().copied()) {
+                        Some(near) => format!("did you mean `:{near}`?"),
+                        None => format!("it has {listed}"),
+                    };
+                    format!("`{name}` has no parameter `:{key}`; {help}")
+                }
+                other => {
+                    let positional = code.parameters.required + code.parameters.optional;
+                    let others = if positional == 0 { "" } else { "after its other arguments " };
+                    let found = self.described(other);
+                    format!("`{name}` takes only keywords with values {others}({listed}), and here stands {found}")
+                }
+            },
+        )
     }
 
     fn not_a_function(&self, value: Value) -> Raise {

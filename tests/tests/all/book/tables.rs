@@ -77,7 +77,7 @@ fn definitions(library: &str) -> Vec<Vec<String>> {
         let items = tree.items(form);
         let [head, name, parameters, doc, ..] = items else { return None };
         let NodeKind::Str(doc) = &tree.get(*doc).kind else { return None };
-        let is_called = ["def-plan", "defun"].contains(&word(*head));
+        let is_called = ["def-plan", "defun", "defmacro"].contains(&word(*head));
         let words = std::iter::once(name).chain(tree.items(*parameters)).map(|&node| word(node)).collect::<Vec<_>>();
         let is_called = is_called && !word(*name).starts_with('%');
         is_called.then(|| vec![format!("`({})`", words.join(" ")), doc.to_string()])

@@ -30,7 +30,7 @@ fn every_parameter_has_a_kind() {
 fn fitting(word: &str, kind: Kind) -> &'static str {
     match kind {
         Kind::Any | Kind::ListOrEnd => "nil",
-        Kind::Number | Kind::Integer | Kind::Seconds => "1",
+        Kind::Number | Kind::Integer | Kind::Seconds | Kind::Angle => "1",
         Kind::Text => "\"a\"",
         Kind::List if matches!(word, "alist") => "'((a . 1))",
         Kind::List | Kind::Elements | Kind::Sequence | Kind::ListOrText => "'(1 2)",
@@ -51,7 +51,7 @@ fn fitting(word: &str, kind: Kind) -> &'static str {
 fn unfit(kind: Kind) -> &'static [&'static str] {
     match kind {
         Kind::Any | Kind::ListOrEnd => &[],
-        Kind::Number | Kind::Integer | Kind::Seconds => &["\"x\"", "'x", "'(1)"],
+        Kind::Number | Kind::Integer | Kind::Seconds | Kind::Angle => &["\"x\"", "'x", "'(1)"],
         Kind::Text => &["5", "'x", "'(1)"],
         Kind::List => &["5", "'x", "\"x\"", "#(1)"],
         Kind::Vector => &["5", "'x", "\"x\"", "'(1)"],

@@ -1,5 +1,6 @@
 //! Plans on the simulated office robot, from text to trace.
 
+mod at_place;
 mod behaviours;
 mod bring;
 mod cases;
@@ -15,6 +16,7 @@ mod instructions;
 mod interruption;
 mod landmarks;
 mod mapless;
+mod moves;
 mod office;
 mod patience;
 mod policies;

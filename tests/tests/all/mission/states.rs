@@ -112,6 +112,31 @@ fn look_around_turns_to_both_sides_and_is_done() {
 
 /// r[behaviour.states], r[behaviour.interrupted]
 #[test]
+fn a_move_by_odometry_in_each_of_its_states() {
+    gripper("(signal move-by-odometry 5)", "=> none");
+    gripper(
+        "(with-valve wheels
+           (activate move-by-odometry :turn 90deg)
+           (list (signal move-by-odometry 0.5) (signal move-by-odometry 20) (signal move-by-odometry 3)))",
+        "=> (none t none)",
+    );
+    gripper(
+        "(with-policy (seq (wait-time 0.5) (with-valve wheels (wait-time 5)))
+           (with-valve wheels (activate move-by-odometry :turn 90deg) (list (signal move-by-odometry 20) (now))))",
+        "=> (interrupted 5.5)",
+    );
+    gripper(
+        "(with-valve wheels
+           (activate move-by-odometry :ahead 1m) (wait-time 1) (deactivate move-by-odometry) (wait-time 1)
+           (let ((x (value x*)))
+             (list (signal move-by-odometry 3) (< (abs (- (value x*) x)) 1cm))))",
+        "=> (none t)",
+    );
+    gripper("(with-valve wheels (activate move-by-odometry :ahead -5m) (signal move-by-odometry 60))", "=> blocked");
+}
+
+/// r[behaviour.states], r[behaviour.interrupted]
+#[test]
 fn look_around_interrupted_or_deactivated_turns_no_more() {
     gripper(
         "(with-policy (seq (wait-time 0.5) (with-valve wheels (wait-time 5)))
