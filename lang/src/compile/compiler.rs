@@ -1,6 +1,7 @@
 //! The compiler's state, and what all of its parts do with it.
 
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
+use super::expansion::Expansion;
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
@@ -8,7 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, Tree};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Where a special form has its row: its table, and its place there.
@@ -54,10 +55,12 @@ pub(crate) struct Compiler<'a> {
     /// Codes and constants added so far.
     pub(super) codes: Vec<u32>,
     pub(super) constants: Vec<u32>,
-    pub(super) expansions: u32,
+    pub(super) expansion: Expansion,
     /// Forms around the one that is resolved.
     pub(super) depth: u32,
+    /// Files around the form that is resolved, and all that were loaded.
     pub(super) loading: Vec<String>,
+    pub(super) loaded: BTreeSet<String>,
     /// Names of the tests so far, with their places.
     pub(super) tests: BTreeMap<Arc<str>, Span>,
     /// Methods of goals, by the plan that tries them.
@@ -112,6 +115,7 @@ impl<'a> Compiler<'a> {
         surroundings: Compilation<'a>,
         specials: impl Iterator<Item = (&'static str, FormPlace)>,
         tree: Tree,
+        expansion: Expansion,
         purpose: Purpose,
     ) -> Self {
         let Compilation { program, symbols, natives, macros, loader, robot_names, scenario_names } = surroundings;
@@ -146,9 +150,10 @@ impl<'a> Compiler<'a> {
             calls: Vec::new(),
             codes: Vec::new(),
             constants: Vec::new(),
-            expansions: 0,
+            expansion,
             depth: 0,
             loading: Vec::new(),
+            loaded: BTreeSet::new(),
             tests: BTreeMap::new(),
             methods: BTreeMap::new(),
         }
@@ -233,11 +238,13 @@ impl<'a> Compiler<'a> {
                 || !self.is_library(existing))
         {
             self.program.globals[existing as usize] = Global { name, kind, doc, span, initial: None };
+            self.macros.defined(existing);
             return existing;
         }
         self.program.globals.push(Global { name, kind, doc, span, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
+        self.macros.defined(global);
         global
     }
 

@@ -3,6 +3,7 @@
 use super::compilation::Purpose;
 use super::compiler::{Compiler, thunk};
 use super::emit;
+use super::expansion::Expansion;
 use super::forms::{Role, Written};
 use super::ir::Function;
 use super::resolved::{Compiled, Resolved, Test, TopLevel};
@@ -36,7 +37,8 @@ impl Compiler<'_> {
             variables: self.variables,
         };
         let (codes, constants) = (self.codes, self.constants);
-        Compiled { main, tests, diagnostics: self.diagnostics, resolved, codes, constants }
+        let Expansion { made: expanded, lacks_room, .. } = self.expansion;
+        Compiled { main, tests, diagnostics: self.diagnostics, resolved, codes, constants, expanded, lacks_room }
     }
 
     /// The name a top-level form defines if there is nothing to run in it: that is its value.
@@ -133,10 +135,7 @@ impl Compiler<'_> {
             return self.form_that_runs(node, bodies);
         };
         if let Some(&code) = self.program.macros.get(&head) {
-            if let Some(expansion) = self.expand(code, node) {
-                self.top_level(expansion, bodies);
-                self.expansions -= 1;
-            }
+            self.expanded(code, node, |compiler, expansion| compiler.top_level(expansion, bodies));
             return;
         }
         let Some(form) = self.special_form(head) else {

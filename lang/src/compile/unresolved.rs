@@ -19,6 +19,10 @@ impl Compiler<'_> {
         for (global, Unknown { span, locals }) in std::mem::take(&mut self.undefined) {
             let name = self.program.globals[global as usize].name;
             self.program.names.remove(&name);
+            if self.expansion.is_over {
+                // What was not expanded may define it.
+                continue;
+            }
             let text = self.symbols.name(name).to_string();
             let span = find_name(&self.program.sources, span, &text).unwrap_or(span);
             if self.program.macros.contains_key(&name) {

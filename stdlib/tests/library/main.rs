@@ -4,6 +4,7 @@ mod behaviours;
 mod constructs;
 mod documentation;
 mod evaluate;
+mod expansion;
 mod foresight;
 mod lists;
 mod numbers;
