@@ -18,6 +18,7 @@ pub mod indentation;
 pub mod kind;
 pub mod layout;
 pub mod lexer;
+mod name_places;
 mod nesting;
 pub mod number;
 pub mod pretty;

@@ -52,7 +52,10 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     valve_order::find(&check, found);
     suspension::find(&check, found);
     let faulty = check.faulty(errors);
-    warnings.retain(|warning| !faulty.iter().any(|&span| lies_in(warning.span, span)));
+    warnings.retain(|Diagnostic { span, .. }| {
+        let behind = faulty.partition_point(|faulty| (faulty.source, faulty.start) <= (span.source, span.start));
+        !behind.checked_sub(1).is_some_and(|before| lies_in(*span, faulty[before]))
+    });
     warnings.retain(|warning| !places::is_allowed(&subject.program.sources, warning));
     warnings.sort_by(|a, b| (a.span, a.code, &a.message).cmp(&(b.span, b.code, &b.message)));
     warnings.dedup();

@@ -3,6 +3,7 @@
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
 use super::expansion::Expansion;
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
+use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
@@ -38,7 +39,7 @@ pub(crate) struct Compiler<'a> {
     pub(super) definitions: Vec<Definition>,
     pub(super) forms: Vec<Function>,
     pub(super) test_bodies: Vec<Function>,
-    pub(super) bindings: Vec<(Symbol, VarId)>,
+    pub(super) locals: Locals,
     pub(super) functions: Vec<FunctionScope>,
     pub(super) blocks: Vec<BlockScope>,
     pub(super) handlers: Vec<HandlerScope>,
@@ -50,6 +51,8 @@ pub(crate) struct Compiler<'a> {
     /// Classes of failure that are handled or raised, checked when all definitions are known; and
     /// whether a variable of that name is bound there.
     pub(super) classes: Vec<(Symbol, Span, bool)>,
+    /// Classes that were told to be unknown.
+    pub(super) unknown_classes: usize,
     /// Calls of globals, checked when all definitions are known.
     pub(super) calls: Vec<(u32, usize, Span)>,
     /// Codes and constants added so far.
@@ -73,9 +76,18 @@ pub(crate) struct FunctionScope {
     /// Whether expressions stand in fluent position.
     pub(super) network: bool,
     /// Tags of a plan; only a function that is the root of a definition or top-level form has any.
-    pub(super) tags: Option<Vec<(Symbol, VarId)>>,
+    pub(super) tags: Option<BTreeMap<Symbol, VarId>>,
     /// `count-pulses` inside a network counts from the network's creation.
     pub(super) hoisted: Vec<(VarId, Ir)>,
+}
+
+impl FunctionScope {
+    /// The tags in the order in which they were found.
+    pub(super) fn tags_in_order(&self) -> Vec<(Symbol, VarId)> {
+        let mut tags: Vec<_> = self.tags.iter().flatten().map(|(&name, &variable)| (name, variable)).collect();
+        tags.sort_by_key(|&(_, variable)| variable);
+        tags
+    }
 }
 
 pub(crate) struct BlockScope {
@@ -98,7 +110,7 @@ pub(crate) struct HandlerScope {
 pub(crate) struct Unknown {
     pub(super) span: Span,
     /// What is bound around it.
-    pub(super) locals: Vec<Symbol>,
+    pub(super) around: Surrounding,
 }
 
 /// The methods a goal has so far.
@@ -139,7 +151,7 @@ impl<'a> Compiler<'a> {
             definitions: Vec::new(),
             forms: Vec::new(),
             test_bodies: Vec::new(),
-            bindings: Vec::new(),
+            locals: Locals::default(),
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
@@ -147,6 +159,7 @@ impl<'a> Compiler<'a> {
             next_block: 0,
             undefined: BTreeMap::new(),
             classes: Vec::new(),
+            unknown_classes: 0,
             calls: Vec::new(),
             codes: Vec::new(),
             constants: Vec::new(),
@@ -200,7 +213,7 @@ impl<'a> Compiler<'a> {
 
     pub(super) fn bind(&mut self, name: Symbol, span: Span) -> VarId {
         let variable = self.new_variable(name, span);
-        self.bindings.push((name, variable));
+        self.locals.bind(name, variable);
         variable
     }
 
@@ -211,16 +224,16 @@ impl<'a> Compiler<'a> {
         tags: bool,
         inside: impl FnOnce(&mut Self) -> T,
     ) -> (T, FunctionScope) {
-        let bound = self.bindings.len();
+        let bound = self.locals.count();
         self.functions.push(FunctionScope {
             kind,
             captures: Vec::new(),
             network: kind == CodeKind::Network,
-            tags: tags.then(Vec::new),
+            tags: tags.then(BTreeMap::new),
             hoisted: Vec::new(),
         });
         let result = inside(self);
-        self.bindings.truncate(bound);
+        self.locals.leave(bound);
         let scope = self.functions.pop().unwrap_or_else(|| unreachable!("a function scope was pushed above"));
         (result, scope)
     }
@@ -289,8 +302,8 @@ pub(crate) fn thunk(name: Symbol, kind: CodeKind, body: Ir, scope: FunctionScope
         kind,
         parameters: Parameters::default(),
         bindings: Vec::new(),
+        tags: scope.tags_in_order(),
         captures: scope.captures,
-        tags: scope.tags.unwrap_or_default(),
         body: Box::new(body),
         doc: None,
         span,

@@ -39,8 +39,7 @@ impl Compiler<'_> {
         self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
-        let locals = self.bindings.iter().map(|&(local, _)| local).collect();
-        self.undefined.insert(global, Unknown { span, locals });
+        self.undefined.insert(global, Unknown { span, around: self.locals.surrounding() });
         Meaning::Global(global)
     }
 
@@ -60,10 +59,9 @@ impl Compiler<'_> {
 
     /// The variable or tag of this name, noted as captured if an outer function binds it.
     pub(super) fn lexical(&mut self, name: Symbol) -> Option<VarId> {
-        let bound = self.bindings.iter().rev().find(|(bound, _)| *bound == name).map(|&(_, variable)| variable);
-        let variable = bound.or_else(|| {
+        let variable = self.locals.find(name).or_else(|| {
             let root = self.functions.iter().rev().find_map(|function| function.tags.as_ref())?;
-            root.iter().find(|(tag, _)| *tag == name).map(|&(_, variable)| variable)
+            root.get(&name).copied()
         })?;
         self.capture(variable);
         Some(variable)
@@ -81,6 +79,6 @@ impl Compiler<'_> {
     }
 
     pub(super) fn is_lexically_bound(&self, name: Symbol) -> bool {
-        self.bindings.iter().any(|(bound, _)| *bound == name)
+        self.locals.find(name).is_some()
     }
 }

@@ -13,6 +13,7 @@ pub(crate) mod forms;
 mod intrinsics;
 pub(crate) mod ir;
 mod lambda_list;
+mod locals;
 mod meaning;
 mod resolve;
 pub(crate) mod resolved;

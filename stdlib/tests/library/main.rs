@@ -7,6 +7,7 @@ mod evaluate;
 mod expansion;
 mod foresight;
 mod lists;
+mod many_names;
 mod numbers;
 mod own_texts;
 mod text;
