@@ -91,6 +91,9 @@ pub struct Machine {
 /// The task in which networks and macros are evaluated.
 pub(crate) const SCRATCH_TASK: u32 = 0;
 
+/// Its name, and its path.
+pub(crate) const NETWORK: &str = "network";
+
 impl Machine {
     /// A machine at time 0 for a program, before its first step.
     pub fn new(program: &Program, symbols: Symbols, random: Stream, foresight: Stream) -> Self {
@@ -126,7 +129,7 @@ impl Machine {
             projected: None,
             scratch: Scratch::default(),
         };
-        let name = machine.symbols.intern("network");
+        let name = machine.symbols.intern(NETWORK);
         machine.tasks.insert(Task::new(0, Registers::default(), name, 0));
         machine.bring_up_to(program, &[]);
         machine
