@@ -18,6 +18,7 @@ mod kinds;
 mod known;
 mod names;
 mod places;
+mod quorums;
 mod rules;
 mod suspension;
 mod unknown_places;
@@ -51,6 +52,7 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     unknown_places::find(&check, found);
     valve_order::find(&check, found);
     suspension::find(&check, found);
+    quorums::find(&check, found);
     let faulty = check.faulty(errors);
     warnings.retain(|Diagnostic { span, .. }| {
         let behind = faulty.partition_point(|faulty| (faulty.source, faulty.start) <= (span.source, span.start));

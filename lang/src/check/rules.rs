@@ -23,4 +23,5 @@ pub const RULES: &[&str] = &[
     "valve-order",
     "needs-valve",
     "suspends-itself",
+    "never-enough",
 ];

@@ -10,5 +10,6 @@ mod lists;
 mod many_names;
 mod numbers;
 mod own_texts;
+mod quorums;
 mod text;
 mod vectors;
