@@ -5,8 +5,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::number::{NumberLiteral, begins_like_number, parse_number};
-use crate::source::{BYTE_ORDER_MARK, SourceId, Sources, Span, holds_code};
-use crate::symbol::fold_name;
+use crate::source::{BYTE_ORDER_MARK, SourceId, Span, holds_code};
 use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
 
@@ -424,14 +423,4 @@ fn unescape_unicode(escape: &str) -> Result<(Option<char>, usize), (usize, Strin
         Some(character) => Ok((Some(character), len)),
         None => Err((len, format!("`\\u{{{digits}}}` is no character"))),
     }
-}
-
-/// Where a name, folded, first stands in the text of the span.
-pub(crate) fn find_name(sources: &Sources, within: Span, name: &str) -> Option<Span> {
-    let (tokens, _) = lex(sources.text_of(within), within.source);
-    tokens
-        .into_iter()
-        .filter(|(token, _)| *token == Token::Symbol)
-        .map(|(_, span)| Span { start: within.start + span.start, end: within.start + span.end, ..within })
-        .find(|&span| fold_name(sources.text_of(span)) == name)
 }

@@ -19,6 +19,7 @@ mod infix;
 pub mod kind;
 pub mod layout;
 pub mod lexer;
+mod name_places;
 mod nesting;
 pub mod number;
 pub mod pretty;

@@ -8,7 +8,8 @@ use crate::compile::ir::{Callee, Function, Ir, IrKind, VarId};
 use crate::compile::resolved::Defined;
 use crate::compile::{NativeSignature, Resolved};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::lexer::{Token, find_name, lex};
+use crate::lexer::{Token, lex};
+use crate::name_places::find_name;
 use crate::source::{SourceId, Span};
 use crate::symbol::{Symbol, Symbols};
 use std::cell::RefCell;
@@ -135,13 +136,30 @@ impl<'a> Check<'a> {
         definitions.chain(&self.subject.text.forms).chain(&self.subject.text.tests)
     }
 
-    /// The places of definitions and forms that have an error.
+    /// The places of definitions and forms that have an error, in order; none lies in another.
     pub(super) fn faulty(&self, errors: &[Diagnostic]) -> Vec<Span> {
         let definitions = self.subject.text.definitions.iter().map(|definition| definition.span);
         let forms = self.subject.text.forms.iter().chain(&self.subject.text.tests).map(|form| form.span);
         let spans = definitions.chain(forms);
-        let is_error = |error: &&Diagnostic| error.severity == Severity::Error;
-        spans.filter(|&span| errors.iter().filter(is_error).any(|error| places::lies_in(error.span, span))).collect()
+        let errors = errors.iter().filter(|error| error.severity == Severity::Error);
+        let mut places: Vec<Span> = errors.map(|error| error.span).collect();
+        places.sort();
+        let has_error = |span: &Span| {
+            let first = places.partition_point(|place| (place.source, place.start) < (span.source, span.start));
+            let from = places[first..].iter();
+            let mut within = from.take_while(|place| place.source == span.source && place.start <= span.end);
+            within.any(|&place| places::lies_in(place, *span))
+        };
+        let mut faulty: Vec<Span> = spans.filter(has_error).collect();
+        // Of those that begin at one place the longest first; forms lie in one another or apart.
+        faulty.sort_by_key(|span| (span.source, span.start, std::cmp::Reverse(span.end)));
+        let mut outer: Vec<Span> = Vec::new();
+        for span in faulty {
+            if outer.last().is_none_or(|&last| !places::lies_in(span, last)) {
+                outer.push(span);
+            }
+        }
+        outer
     }
 
     pub(super) fn name(&self, name: Symbol) -> &'a str {

@@ -22,6 +22,7 @@ mod known;
 mod names;
 mod places;
 mod policies;
+mod quorums;
 mod quotes;
 mod rules;
 mod suspension;
@@ -61,8 +62,12 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     claims::find(&check, found);
     valve_order::find(&check, found);
     suspension::find(&check, found);
+    quorums::find(&check, found);
     let faulty = check.faulty(errors);
-    warnings.retain(|warning| !faulty.iter().any(|&span| lies_in(warning.span, span)));
+    warnings.retain(|Diagnostic { span, .. }| {
+        let behind = faulty.partition_point(|faulty| (faulty.source, faulty.start) <= (span.source, span.start));
+        !behind.checked_sub(1).is_some_and(|before| lies_in(*span, faulty[before]))
+    });
     warnings.retain(|warning| !places::is_allowed(&subject.program.sources, warning));
     warnings.sort_by(|a, b| (a.span, a.code, &a.message).cmp(&(b.span, b.code, &b.message)));
     warnings.dedup();

@@ -1,9 +1,9 @@
 //! Names that are defined twice, or that were the library's.
 
 use super::known::Check;
-use crate::compile::resolved::{Defined, Definition};
+use crate::compile::resolved::Defined;
 use crate::diagnostic::Diagnostic;
-use crate::lexer::find_name;
+use crate::name_places::NamePlaces;
 use crate::source::{SourceId, Span};
 use crate::symbol::Symbol;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,10 +12,11 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     let library = library_names(check);
     // A file may replace what it loads; within one file the first definition is lost.
     let mut first: BTreeMap<(SourceId, bool, Symbol), Span> = BTreeMap::new();
+    let mut places = NamePlaces::default();
     for definition in &check.subject.text.definitions {
         let is_class = matches!(definition.defined, Defined::Failure);
-        let place = name_place(check, definition);
         let name = check.name(definition.name);
+        let place = places.find(&check.subject.program.sources, definition.span, name).unwrap_or(definition.span);
         match first.get(&(definition.span.source, is_class, definition.name)) {
             Some(&before) => {
                 let message = format!("`{name}` is defined twice, and this one takes the place of the first");
@@ -34,11 +35,6 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
             }
         }
     }
-}
-
-fn name_place(check: &Check<'_>, definition: &Definition) -> Span {
-    let name = check.name(definition.name);
-    find_name(&check.subject.program.sources, definition.span, name).unwrap_or(definition.span)
 }
 
 /// Names of the library's functions, macros and variables.

@@ -28,4 +28,5 @@ pub const RULES: &[&str] = &[
     "valve-order",
     "needs-valve",
     "suspends-itself",
+    "never-enough",
 ];

@@ -38,12 +38,26 @@ pub(super) fn describe_arity(min: u8, max: Option<u8>) -> String {
     }
 }
 
+/// Why a call of a macro has no expansion.
+#[derive(Debug)]
+pub enum Unexpanded {
+    /// What went wrong in the macro's own code, at its place.
+    Failed(Box<Diagnostic>),
+    /// It would have more parts than it may.
+    TooLarge,
+    /// All expansions so far have taken as many steps as those of one text may.
+    TooLong {
+        /// How many.
+        steps: u64,
+    },
+}
+
 /// Runs macros: the evaluator lives above this crate.
 pub trait MacroHost {
-    /// The expansion of `form`, a call of the macro with this code.
+    /// The expansion of `form`, a call of the macro with this code. It adds at most `most` parts to the tree.
     ///
     /// # Errors
-    /// What went wrong in the macro's own code, at its place.
+    /// There is none.
     fn expand(
         &mut self,
         program: &Program,
@@ -51,7 +65,11 @@ pub trait MacroHost {
         tree: &mut Tree,
         code: u32,
         form: NodeId,
-    ) -> Result<NodeId, Box<Diagnostic>>;
+        most: usize,
+    ) -> Result<NodeId, Unexpanded>;
+
+    /// A global was defined, or its definition is compiled now.
+    fn defined(&mut self, global: u32);
 }
 
 /// Finds the text of a `(load "file")`.

@@ -1,8 +1,10 @@
 //! The compiler's state, and what all of its parts do with it.
 
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
+use super::expansion::Expansion;
 use super::forms::Goals;
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
+use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::Diagnostic;
@@ -40,7 +42,7 @@ pub(crate) struct Compiler<'a> {
     pub(super) definitions: Vec<Definition>,
     pub(super) forms: Vec<Function>,
     pub(super) test_bodies: Vec<Function>,
-    pub(super) bindings: Vec<(Symbol, VarId)>,
+    pub(super) locals: Locals,
     pub(super) functions: Vec<FunctionScope>,
     pub(super) blocks: Vec<BlockScope>,
     pub(super) handlers: Vec<HandlerScope>,
@@ -61,15 +63,19 @@ pub(crate) struct Compiler<'a> {
     /// Classes of failure that are handled or raised, checked when all definitions are known; and
     /// whether a variable of that name is bound there.
     pub(super) classes: Vec<(Symbol, Span, bool)>,
+    /// Classes that were told to be unknown.
+    pub(super) unknown_classes: usize,
     /// Calls of globals, checked when all definitions are known.
     pub(super) calls: Vec<(u32, usize, Span)>,
     /// Codes and constants added so far.
     pub(super) codes: Vec<u32>,
     pub(super) constants: Vec<u32>,
-    pub(super) expansions: u32,
+    pub(super) expansion: Expansion,
     /// Forms around the one that is resolved.
     pub(super) depth: u32,
+    /// Files around the form that is resolved, and all that were loaded.
     pub(super) loading: Vec<String>,
+    pub(super) loaded: BTreeSet<String>,
     /// Names of the tests so far, with their places.
     pub(super) tests: BTreeMap<Arc<str>, Span>,
     /// Methods of goals, by the plan that tries them.
@@ -84,9 +90,18 @@ pub(crate) struct FunctionScope {
     /// Whether expressions stand in fluent position.
     pub(super) network: bool,
     /// Tags of a plan; only a function that is the root of a definition or top-level form has any.
-    pub(super) tags: Option<Vec<(Symbol, VarId)>>,
+    pub(super) tags: Option<BTreeMap<Symbol, VarId>>,
     /// `count-pulses` inside a network counts from the network's creation.
     pub(super) hoisted: Vec<(VarId, Ir)>,
+}
+
+impl FunctionScope {
+    /// The tags in the order in which they were found.
+    pub(super) fn tags_in_order(&self) -> Vec<(Symbol, VarId)> {
+        let mut tags: Vec<_> = self.tags.iter().flatten().map(|(&name, &variable)| (name, variable)).collect();
+        tags.sort_by_key(|&(_, variable)| variable);
+        tags
+    }
 }
 
 pub(crate) struct BlockScope {
@@ -109,7 +124,7 @@ pub(crate) struct HandlerScope {
 pub(crate) struct Unknown {
     pub(super) span: Span,
     /// What is bound around it.
-    pub(super) locals: Vec<Symbol>,
+    pub(super) around: Surrounding,
 }
 
 /// The methods a goal has so far.
@@ -126,6 +141,7 @@ impl<'a> Compiler<'a> {
         surroundings: Compilation<'a>,
         specials: impl Iterator<Item = (&'static str, FormPlace)>,
         tree: Tree,
+        expansion: Expansion,
         purpose: Purpose,
     ) -> Self {
         let Compilation { program, library, symbols, natives, macros, loader, robot_names, scenario_names } =
@@ -151,7 +167,7 @@ impl<'a> Compiler<'a> {
             definitions: Vec::new(),
             forms: Vec::new(),
             test_bodies: Vec::new(),
-            bindings: Vec::new(),
+            locals: Locals::default(),
             functions: Vec::new(),
             blocks: Vec::new(),
             handlers: Vec::new(),
@@ -163,12 +179,14 @@ impl<'a> Compiler<'a> {
             next_block: 0,
             undefined: BTreeMap::new(),
             classes: Vec::new(),
+            unknown_classes: 0,
             calls: Vec::new(),
             codes: Vec::new(),
             constants: Vec::new(),
-            expansions: 0,
+            expansion,
             depth: 0,
             loading: Vec::new(),
+            loaded: BTreeSet::new(),
             tests: BTreeMap::new(),
             methods: BTreeMap::new(),
             goals: BTreeMap::new(),
@@ -225,7 +243,7 @@ impl<'a> Compiler<'a> {
 
     pub(super) fn bind(&mut self, name: Symbol, span: Span) -> VarId {
         let variable = self.new_variable(name, span);
-        self.bindings.push((name, variable));
+        self.locals.bind(name, variable);
         variable
     }
 
@@ -236,16 +254,16 @@ impl<'a> Compiler<'a> {
         tags: bool,
         inside: impl FnOnce(&mut Self) -> T,
     ) -> (T, FunctionScope) {
-        let bound = self.bindings.len();
+        let bound = self.locals.count();
         self.functions.push(FunctionScope {
             kind,
             captures: Vec::new(),
             network: kind == CodeKind::Network,
-            tags: tags.then(Vec::new),
+            tags: tags.then(BTreeMap::new),
             hoisted: Vec::new(),
         });
         let result = inside(self);
-        self.bindings.truncate(bound);
+        self.locals.leave(bound);
         let scope = self.functions.pop().unwrap_or_else(|| unreachable!("a function scope was pushed above"));
         (result, scope)
     }
@@ -264,11 +282,13 @@ impl<'a> Compiler<'a> {
                 || !self.is_library(existing))
         {
             self.program.globals[existing as usize] = Global { name, kind, doc, span, initial: None };
+            self.macros.defined(existing);
             return existing;
         }
         self.program.globals.push(Global { name, kind, doc, span, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
+        self.macros.defined(global);
         global
     }
 
@@ -335,8 +355,8 @@ pub(crate) fn thunk(name: Symbol, kind: CodeKind, body: Ir, scope: FunctionScope
         kind,
         parameters: Parameters::default(),
         bindings: Vec::new(),
+        tags: scope.tags_in_order(),
         captures: scope.captures,
-        tags: scope.tags.unwrap_or_default(),
         body: Box::new(body),
         doc: None,
         span,

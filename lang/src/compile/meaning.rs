@@ -2,6 +2,7 @@
 
 use super::compiler::{Compiler, Unknown};
 use super::ir::{Ir, IrKind, VarId};
+use super::locals::Surrounding;
 use crate::code::{Atom, Global, GlobalKind, Program};
 use crate::source::Span;
 use crate::symbol::{Qualifier, Symbol};
@@ -50,11 +51,11 @@ impl Compiler<'_> {
         self.program.globals.push(Global { name, kind: GlobalKind::Variable, doc: None, span: None, initial: None });
         let global = self.program.globals.len() as u32 - 1;
         self.program.names.insert(name, global);
-        let locals = match qualifier {
-            Some(_) => Vec::new(),
-            None => self.bindings.iter().map(|&(local, _)| local).collect(),
+        let around = match qualifier {
+            Some(_) => Surrounding::NOTHING,
+            None => self.locals.surrounding(),
         };
-        self.undefined.insert(global, Unknown { span, locals });
+        self.undefined.insert(global, Unknown { span, around });
         Meaning::Global(global)
     }
 
@@ -92,10 +93,9 @@ impl Compiler<'_> {
 
     /// The variable or tag of this name, noted as captured if an outer function binds it.
     pub(super) fn lexical(&mut self, name: Symbol) -> Option<VarId> {
-        let bound = self.bindings.iter().rev().find(|(bound, _)| *bound == name).map(|&(_, variable)| variable);
-        let variable = bound.or_else(|| {
+        let variable = self.locals.find(name).or_else(|| {
             let root = self.functions.iter().rev().find_map(|function| function.tags.as_ref())?;
-            root.iter().find(|(tag, _)| *tag == name).map(|&(_, variable)| variable)
+            root.get(&name).copied()
         })?;
         self.capture(variable);
         Some(variable)
@@ -113,6 +113,6 @@ impl Compiler<'_> {
     }
 
     pub(super) fn is_lexically_bound(&self, qualifier: Option<Qualifier>, name: Symbol) -> bool {
-        qualifier.is_none() && self.bindings.iter().any(|(bound, _)| *bound == name)
+        qualifier.is_none() && self.locals.find(name).is_some()
     }
 }

@@ -6,12 +6,14 @@ mod compilation;
 mod compiler;
 mod datum;
 mod emit;
+mod expansion;
 mod fluent_position;
 mod foreign;
 pub(crate) mod forms;
 mod intrinsics;
 pub(crate) mod ir;
 mod lambda_list;
+mod locals;
 mod meaning;
 mod pattern;
 mod resolve;
@@ -22,8 +24,9 @@ mod unresolved;
 use crate::reader::read;
 use crate::source::{SourceId, Span};
 use crate::syntax::{NodeId, Tree};
-pub use compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, NoFiles, Purpose, no_names};
+pub use compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, NoFiles, Purpose, Unexpanded, no_names};
 use compiler::Compiler;
+use expansion::Expansion;
 pub use foreign::foreign_words;
 pub use forms::{SpecialForm, special_forms};
 pub use resolved::{Compiled, DefinedKind, Resolved, Test, TestOptions};
@@ -33,13 +36,16 @@ pub fn compile_text(surroundings: Compilation<'_>, source: SourceId, purpose: Pu
     let mut tree = Tree::default();
     let text = surroundings.program.sources.get(source).text.clone();
     let (forms, diagnostics) = read(&text, source, surroundings.symbols, &mut tree);
-    let mut compiler = Compiler::new(surroundings, forms::special_names(), tree, purpose);
+    let mut expansion = Expansion::of_text();
+    expansion.has_read(tree.nodes.len());
+    let mut compiler = Compiler::new(surroundings, forms::special_names(), tree, expansion, purpose);
     compiler.diagnostics = diagnostics;
     compiler.run(&forms, Span { source, start: 0, end: text.len() as u32 })
 }
 
-/// Compiles a datum that is already syntax, such as a plan made at run time.
-pub fn compile_datum(surroundings: Compilation<'_>, tree: Tree, root: NodeId) -> Compiled {
-    let span = tree.span(root);
-    Compiler::new(surroundings, forms::special_names(), tree, Purpose::User).run(&[root], span)
+/// Compiles a datum that is already syntax, such as a plan made at run time. What macros in it expand into
+/// may have `most` parts.
+pub fn compile_datum(surroundings: Compilation<'_>, tree: Tree, root: NodeId, most: usize) -> Compiled {
+    let (span, expansion) = (tree.span(root), Expansion::of_datum(most));
+    Compiler::new(surroundings, forms::special_names(), tree, expansion, Purpose::User).run(&[root], span)
 }

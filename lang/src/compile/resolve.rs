@@ -12,9 +12,6 @@ use crate::source::Span;
 use crate::stack::deep;
 use crate::syntax::{NodeId, NodeKind};
 
-/// Macros that expand into macros without end are cut here.
-const MAX_EXPANSIONS_IN_A_ROW: u32 = 1_000;
-
 /// Forms nest at most so deep: each level takes about 1 KB of stack while it is compiled.
 const MAX_FORMS_DEEP: u32 = 10_000;
 
@@ -97,7 +94,7 @@ impl Compiler<'_> {
                 return self.nil(span);
             }
             if let Some(code) = self.macro_code(qualifier, name) {
-                return self.expand_and_resolve(code, node, span);
+                return self.expand_and_resolve(code, node);
             }
             let meaning = self.meaning(qualifier, name, span);
             return self.named_call(meaning, head, &items[1..], span);
@@ -112,36 +109,6 @@ impl Compiler<'_> {
                 self.error("not-callable", place, "this cannot be called", "expected the name of a function").help =
                     Some(help);
                 self.nil(span)
-            }
-        }
-    }
-
-    fn expand_and_resolve(&mut self, code: u32, node: NodeId, span: Span) -> Ir {
-        match self.expand(code, node) {
-            Some(expansion) => {
-                let ir = self.resolve(expansion);
-                self.expansions -= 1;
-                ir
-            }
-            None => self.nil(span),
-        }
-    }
-
-    /// One expansion; the caller gives `expansions` back when its result is resolved.
-    pub(super) fn expand(&mut self, code: u32, node: NodeId) -> Option<NodeId> {
-        let span = self.tree.span(node);
-        if self.expansions >= MAX_EXPANSIONS_IN_A_ROW {
-            let message = format!("this macro expands into macros more than {MAX_EXPANSIONS_IN_A_ROW} deep");
-            self.error("endless-macro", span, message, "the expansion has no end");
-            return None;
-        }
-        self.expansions += 1;
-        match self.macros.expand(self.program, self.symbols, &mut self.tree, code, node) {
-            Ok(expansion) => Some(expansion),
-            Err(diagnostic) => {
-                self.expansions -= 1;
-                self.diagnostics.push(*diagnostic);
-                None
             }
         }
     }

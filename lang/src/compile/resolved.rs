@@ -143,6 +143,10 @@ pub struct Compiled {
     pub codes: Vec<u32>,
     /// The constants that were added.
     pub constants: Vec<u32>,
+    /// Parts that macros have made.
+    pub expanded: usize,
+    /// Whether they would have made more than they might.
+    pub lacks_room: bool,
 }
 
 impl Compiled {

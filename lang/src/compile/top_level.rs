@@ -3,6 +3,7 @@
 use super::compilation::Purpose;
 use super::compiler::{Compiler, thunk};
 use super::emit;
+use super::expansion::Expansion;
 use super::forms::{Role, Written};
 use super::ir::Function;
 use super::resolved::{Compiled, Resolved, Test, TopLevel};
@@ -37,7 +38,8 @@ impl Compiler<'_> {
             variables: self.variables,
         };
         let (codes, constants) = (self.codes, self.constants);
-        Compiled { main, tests, diagnostics: self.diagnostics, resolved, codes, constants }
+        let Expansion { made: expanded, lacks_room, .. } = self.expansion;
+        Compiled { main, tests, diagnostics: self.diagnostics, resolved, codes, constants, expanded, lacks_room }
     }
 
     /// The name a top-level form defines if there is nothing to run in it: that is its value.
@@ -142,12 +144,9 @@ impl Compiler<'_> {
             return self.note_unexpanded(&items);
         }
         if let Some(code) = self.macro_code(qualifier, head) {
-            match self.expand(code, node) {
-                Some(expansion) => {
-                    self.top_level(expansion, bodies);
-                    self.expansions -= 1;
-                }
-                None => self.note_unexpanded(&items),
+            let expanded = self.expanded(code, node, |compiler, expansion| compiler.top_level(expansion, bodies));
+            if expanded.is_none() {
+                self.note_unexpanded(&items);
             }
             return;
         }

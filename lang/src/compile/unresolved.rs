@@ -4,10 +4,11 @@
 use super::compiler::{Compiler, Unknown};
 use super::foreign;
 use super::forms::{GOAL_PREFIX, special_names};
+use super::locals::Surrounding;
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;
 use crate::infix::infix_in;
-use crate::lexer::find_name;
+use crate::name_places::{NamePlaces, find_name};
 use crate::number::begins_like_number;
 use crate::number::unit_names;
 use crate::source::Span;
@@ -15,57 +16,118 @@ use crate::suggest::suggest;
 use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{self, NodeId};
 
+/// Unknown names that are told of one text; the rest is counted.
+const MOST_UNKNOWN: usize = 1_000;
+
+/// Names that unknown ones are compared with in all: behind that nothing is suggested, and whoever mends what
+/// was told first is told more.
+const MOST_COMPARED: usize = 500_000;
+
+/// The names of a text and of what it is compiled with.
+struct KnownNames {
+    /// Of what has a value.
+    values: Vec<Symbol>,
+    /// Of special forms and macros.
+    forms: Vec<Symbol>,
+}
+
 impl Compiler<'_> {
     pub(super) fn check_undefined(&mut self) {
-        for (global, Unknown { span, locals }) in std::mem::take(&mut self.undefined) {
-            let name = self.program.globals[global as usize].name;
-            self.program.names.remove(&name);
-            let text = self.symbols.name(name).to_string();
-            if self.would_be_defined(&text) {
-                continue;
+        let undefined = std::mem::take(&mut self.undefined);
+        let names: Vec<Symbol> = undefined.keys().map(|&global| self.program.globals[global as usize].name).collect();
+        for name in &names {
+            self.program.names.remove(name);
+        }
+        if names.is_empty() || self.expansion.is_over {
+            // What was not expanded may define them.
+            return;
+        }
+        let known = self.known_names();
+        let (mut places, mut work) = (NamePlaces::default(), MOST_COMPARED);
+        let count = names.len();
+        for (number, (name, unknown)) in names.into_iter().zip(undefined.into_values()).enumerate() {
+            if number == MOST_UNKNOWN {
+                let more = count - number;
+                let message = format!("and {more} more names are not defined anywhere");
+                self.error("more-errors", unknown.span, message, "the next one is here");
+                return;
             }
-            let span = self.place_of_name(span, &text);
-            if let Some((Qualifier::Library, missing)) = Qualifier::split(&text) {
-                self.not_in_library(span, missing);
-            } else if self.program.macros.contains_key(&name) {
-                self.error(
-                    "macro-before-definition",
-                    span,
-                    format!("the macro `{text}` is used above its definition"),
-                    "not known yet here",
-                )
-                .help = Some("move the defmacro above its first use".into());
-            } else if let Some(accessor) = text.strip_prefix("%set-") {
-                self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
-            } else if self.robot_names.contains(&text) {
-                self.needs_a_world(span, &text);
-            } else if self.scenario_names.contains(&text) {
-                self.error(
-                    "needs-a-scenario",
-                    span,
-                    format!("`{text}` belongs to scenarios, and this text is read as a plan"),
-                    "only a scenario has it",
-                )
-                .help = Some(
-                    "`rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
-                        .into(),
-                );
-            } else {
-                let goal = text
-                    .strip_prefix(GOAL_PREFIX)
-                    .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
-                let foreign = foreign::advice(&text).map(str::to_string);
-                let unit = self.unit_apart(span, &text);
-                let is_argument = self.is_argument(span);
-                let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
-                let suggestion = self.suggestion(&text, &locals, is_argument);
-                let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
-                let keyword = text.strip_suffix(':').filter(|name| !name.is_empty());
-                let keyword = keyword.map(|name| format!("the colon of a keyword stands first: `:{name}`"));
-                let help = foreign.or(unit).or(keyword).or(suggestion).or(goal).or(quoted);
-                self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help =
-                    help;
-            }
+            self.undefined_name(name, unknown, &known, &mut places, &mut work);
+        }
+    }
+
+    fn undefined_name(
+        &mut self,
+        name: Symbol,
+        unknown: Unknown,
+        known: &KnownNames,
+        places: &mut NamePlaces,
+        work: &mut usize,
+    ) {
+        let text = self.symbols.name(name).to_string();
+        if self.would_be_defined(&text) {
+            return;
+        }
+        // With a qualifier or without; else the form.
+        let sources = &self.program.sources;
+        let found = places.find(sources, unknown.span, &text);
+        let of_program = || places.find(sources, unknown.span, &format!("{}{text}", Qualifier::Global.prefix()));
+        let span = found.or_else(of_program).unwrap_or(unknown.span);
+        if let Some((Qualifier::Library, missing)) = Qualifier::split(&text) {
+            self.not_in_library(span, missing);
+        } else if self.program.macros.contains_key(&name) {
+            self.error(
+                "macro-before-definition",
+                span,
+                format!("the macro `{text}` is used above its definition"),
+                "not known yet here",
+            )
+            .help = Some("move the defmacro above its first use".into());
+        } else if let Some(accessor) = text.strip_prefix("%set-") {
+            self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
+        } else if self.robot_names.contains(&text) {
+            self.needs_a_world(span, &text);
+        } else if self.scenario_names.contains(&text) {
+            self.error(
+                "needs-a-scenario",
+                span,
+                format!("`{text}` belongs to scenarios, and this text is read as a plan"),
+                "only a scenario has it",
+            )
+            .help = Some(
+                "`rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
+                    .into(),
+            );
+        } else {
+            let goal = text
+                .strip_prefix(GOAL_PREFIX)
+                .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
+            let foreign = foreign::advice(&text).map(str::to_string);
+            let unit = self.unit_apart(span, &text);
+            let is_argument = self.is_argument(span);
+            let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
+            let suggestion = self.suggestion(&text, unknown.around, is_argument, known, work);
+            let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
+            let keyword = text.strip_suffix(':').filter(|name| !name.is_empty());
+            let keyword = keyword.map(|name| format!("the colon of a keyword stands first: `:{name}`"));
+            let help = foreign.or(unit).or(keyword).or(suggestion).or(goal).or(quoted);
+            self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help = help;
+        }
+    }
+
+    /// The names that something could be called by instead.
+    fn known_names(&self) -> KnownNames {
+        let is_written = |&name: &Symbol| !self.symbols.name(name).starts_with(['%', '#']);
+        // Of equally near names the text's own come first.
+        let (library, own): (Vec<_>, Vec<_>) =
+            self.program.names.iter().partition(|&(_, &global)| self.is_library(global));
+        let globals = own.into_iter().chain(library).map(|(&name, _)| name);
+        let natives = self.natives.iter().filter_map(|native| self.symbols.find(&native.name));
+        let specials = special_names().filter_map(|(name, _)| self.symbols.find(name));
+        let macros = self.program.macros.keys().copied();
+        KnownNames {
+            values: globals.chain(natives).filter(is_written).collect(),
+            forms: specials.chain(macros).filter(is_written).collect(),
         }
     }
 
@@ -82,13 +144,6 @@ impl Compiler<'_> {
             let ends = rest.match_indices('-').map(|(at, _)| at).chain([rest.len()]);
             ends.into_iter().any(|end| is_unexpanded(&rest[..end]))
         })
-    }
-
-    /// Where a name stands in the text of a form, with a qualifier or without; else the form.
-    fn place_of_name(&self, within: Span, text: &str) -> Span {
-        let sources = &self.program.sources;
-        let of_program = || find_name(sources, within, &format!("{}{text}", Qualifier::Global.prefix()));
-        find_name(sources, within, text).or_else(of_program).unwrap_or(within)
     }
 
     fn needs_a_world(&mut self, span: Span, text: &str) {
@@ -122,24 +177,35 @@ impl Compiler<'_> {
     /// Notes that a class of failure is handled or raised.
     pub(super) fn note_class(&mut self, name: Symbol, span: Span) {
         if !self.program.failure_classes.contains_key(&name) {
-            let is_variable = self.bindings.iter().any(|&(bound, _)| bound == name);
+            let is_variable = self.locals.find(name).is_some();
             self.classes.push((name, span, is_variable));
         }
     }
 
     pub(super) fn check_classes(&mut self) {
-        for (name, span, is_variable) in std::mem::take(&mut self.classes) {
-            if !self.program.failure_classes.contains_key(&name) {
-                self.unknown_class(name, span, is_variable);
+        let known = &self.program.failure_classes;
+        let mut unknown = std::mem::take(&mut self.classes);
+        unknown.retain(|(name, ..)| !known.contains_key(name));
+        let count = unknown.len();
+        for (number, (name, span, is_variable)) in unknown.into_iter().enumerate() {
+            if number == MOST_UNKNOWN {
+                let message = format!("and {} more classes of failure are not defined", count - number);
+                self.error("more-errors", span, message, "the next one is here");
+                return;
             }
+            self.unknown_class(name, span, is_variable);
         }
     }
 
     pub(super) fn unknown_class(&mut self, name: Symbol, span: Span, is_variable: bool) {
         let text = self.symbols.name(name).to_string();
         let span = find_name(&self.program.sources, span, &text).unwrap_or(span);
-        let known = self.program.failure_classes.keys().map(|&class| self.symbols.name(class));
-        let near = suggest(&text, known).map(str::to_string);
+        let known = &self.program.failure_classes;
+        self.unknown_classes += 1;
+        let is_compared = self.unknown_classes * known.len() <= MOST_COMPARED;
+        let compared = if is_compared { known.len() } else { 0 };
+        let names = known.keys().take(compared).map(|&class| self.symbols.name(class));
+        let near = suggest(&text, names).map(str::to_string);
         let help = match near {
             _ if is_variable => format!(
                 "`{text}` is a variable here, and `fail` takes the bare name of a class; to pass a failure on, write `(refail)`"
@@ -184,19 +250,23 @@ impl Compiler<'_> {
         true
     }
 
-    /// The nearest name a user could have meant; with a value, if one is needed.
-    fn suggestion(&self, text: &str, locals: &[Symbol], has_value: bool) -> Option<String> {
-        // Of equally near names the text's own come first.
-        let (library, own): (Vec<_>, Vec<_>) =
-            self.program.names.iter().partition(|&(_, &global)| self.is_library(global));
-        let globals = own.into_iter().chain(library).map(|(&name, _)| self.symbols.name(name));
-        let natives = self.natives.iter().map(|native| native.name.as_str());
-        let specials = special_names().map(|(name, _)| name);
-        let macros = self.program.macros.keys().map(|&name| self.symbols.name(name));
-        let locals = locals.iter().map(|&name| self.symbols.name(name));
-        let forms = specials.chain(macros).filter(|_| !has_value);
-        let known = locals.chain(globals).chain(natives).chain(forms);
-        suggest(text, known.filter(|name| !name.starts_with(['%', '#']) && *name != text)).map(str::to_string)
+    /// The nearest name a user could have meant; with a value, if one is needed. None if too many names
+    /// were compared already.
+    fn suggestion(
+        &self,
+        text: &str,
+        around: Surrounding,
+        has_value: bool,
+        known: &KnownNames,
+        work: &mut usize,
+    ) -> Option<String> {
+        let mut locals: Vec<Symbol> = self.locals.around(around).take(*work).collect();
+        locals.reverse();
+        let forms: &[Symbol] = if has_value { &[] } else { &known.forms };
+        let compared = locals.len() + known.values.len() + forms.len();
+        *work = work.checked_sub(compared)?;
+        let all = locals.iter().chain(&known.values).chain(forms).map(|&name| self.symbols.name(name));
+        suggest(text, all.filter(|&name| name != text)).map(str::to_string)
     }
 
     pub(super) fn check_calls(&mut self) {

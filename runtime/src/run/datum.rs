@@ -125,6 +125,9 @@ fn list_of(heap: &mut Heap, tree: &Tree, node: NodeId, mut items: Vec<Value>, or
 /// Nodes that a datum may become.
 pub(crate) const MAX_NODES: usize = 1_000_000;
 
+/// So many bytes of a text or a name count as a node: it is written once more with the datum.
+const BYTES_OF_A_NODE: usize = 64;
+
 /// Why a value cannot be a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unfit {
@@ -139,7 +142,7 @@ pub(crate) enum Unfit {
 /// everything new stands at `span`. Objects without a text form are collected in `objects`.
 ///
 /// # Errors
-/// If the value is circular, or has more than `most` nodes.
+/// If the value is circular, or has more than `most` nodes; long texts count for several.
 #[allow(clippy::too_many_arguments, reason = "what a node is made of, and where it goes")]
 pub(crate) fn to_node(
     heap: &Heap,
@@ -169,6 +172,7 @@ pub(crate) fn to_node(
         match builder.next()? {
             Some(Walked::Item(item @ (Value::Cons(_) | Value::Vector(_)), _)) => builder.open(item)?,
             Some(Walked::Item(atom, pair)) => {
+                count += text_bytes(heap, symbols, atom) / BYTES_OF_A_NODE;
                 let node = leaf(heap, symbols, tree, atom, span, objects);
                 builder.nodes.push(node);
                 if let Some(origins) = origins.as_deref_mut() {
@@ -189,6 +193,31 @@ pub(crate) fn to_node(
             }
             None => return builder.nodes.pop().ok_or(Unfit::Circle),
         }
+    }
+}
+
+/// Bytes of the text or name of a value.
+fn text_bytes(heap: &Heap, symbols: &Symbols, value: Value) -> usize {
+    match value {
+        Value::Str(text) => heap.strings[text].text.len(),
+        Value::Symbol(name) | Value::Keyword(name) => symbols.name(name).len(),
+        Value::Nil
+        | Value::True
+        | Value::Int(_)
+        | Value::Float(_)
+        | Value::Cons(_)
+        | Value::Vector(_)
+        | Value::Cell(_)
+        | Value::Function(_)
+        | Value::Closure(_)
+        | Value::Native(_)
+        | Value::Fluent(_)
+        | Value::Task(_)
+        | Value::Valve(_)
+        | Value::Failure(_)
+        | Value::Table(_)
+        | Value::Behaviour(_)
+        | Value::Unbound => 0,
     }
 }
 

@@ -53,6 +53,7 @@ impl<O: Outside> System<O> {
     fn enter_instant(&mut self, time_us: u64) {
         // Budgets are counted in one point of time, however often it is gone to.
         if self.machine.now_us < time_us {
+            self.machine.instant = self.machine.instant.wrapping_add(1);
             self.machine.spent = Spent::default();
             self.machine.now_us = time_us;
         }

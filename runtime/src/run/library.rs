@@ -256,7 +256,7 @@ impl Library {
         MacroMachine::new(program, self.natives.clone(), self.signatures.clone())
     }
 
-    /// Compiles a datum into a program that runs.
+    /// Compiles a datum into a program that runs; its macros may make so many parts.
     pub(crate) fn compile_datum(
         &self,
         program: &mut Program,
@@ -264,6 +264,7 @@ impl Library {
         macros: &mut MacroMachine,
         tree: Tree,
         root: NodeId,
+        most: usize,
     ) -> Compiled {
         let surroundings = Compilation {
             program,
@@ -275,7 +276,7 @@ impl Library {
             robot_names: &self.robot_names,
             scenario_names: &self.scenario_names,
         };
-        compile::compile_datum(surroundings, tree, root)
+        compile::compile_datum(surroundings, tree, root, most)
     }
 }
 

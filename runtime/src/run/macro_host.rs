@@ -2,14 +2,15 @@
 
 use crate::robot::{NoRobot, RobotGlobals};
 use crate::run::datum;
-use crate::run::datum::{MAX_NODES, Origins, Unfit};
+use crate::run::datum::{Origins, Unfit};
 use crate::state::failure::Raise;
+use crate::state::limits::Limits;
 use crate::state::machine::Machine;
 use crate::state::value::Value;
 use crate::step::exec::budget::EVALUATION_SHARE;
 use crate::step::native::{Native, Surroundings};
 use rpl_lang::code::Program;
-use rpl_lang::compile::{MacroHost, NativeSignature};
+use rpl_lang::compile::{MacroHost, NativeSignature, Unexpanded};
 use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, Tree};
@@ -19,15 +20,24 @@ use std::sync::Arc;
 /// Steps one expansion may take.
 const MAX_STEPS: u32 = 20_000_000;
 
-/// Steps all expansions of a text may take before each gets a hundredth of [`MAX_STEPS`]: a text
-/// full of endless macros is refused in seconds, and the others in it still expand.
-const MAX_STEPS_OF_A_TEXT: u64 = 400_000_000;
+/// Steps all expansions of a text may take: a text full of endless macros is refused in seconds.
+const MAX_STEPS_OF_A_TEXT: u64 = 100_000_000;
+
+/// What macros make may take this share of the memory of a run.
+const SHARE_OF_MEMORY: usize = 8;
+
+/// What a machine that is kept may have made and not given back.
+const MAX_KEPT_BYTES: usize = 1 << 20;
 
 /// The machine macros run in.
 pub struct MacroMachine {
     machine: Machine,
     /// Steps of all expansions so far.
     steps: u64,
+    /// Globals that were defined since the last expansion.
+    defined: Vec<u32>,
+    /// Whether an expansion has come to the limit of memory.
+    ran_out: bool,
     natives: Arc<[Native]>,
     signatures: Arc<[NativeSignature]>,
 }
@@ -47,15 +57,35 @@ impl MacroMachine {
     /// A machine for the macros of a program.
     pub fn new(program: &Program, natives: Arc<[Native]>, signatures: Arc<[NativeSignature]>) -> Self {
         let machine = Machine::new(program, Symbols::default(), Stream::new(0, "macros"), Stream::new(0, "foresight"));
-        let mut host = Self { machine, steps: 0, natives, signatures };
-        host.begin();
+        let mut host = Self { machine, steps: 0, defined: Vec::new(), ran_out: false, natives, signatures };
+        host.begin(program, Limits::default().bytes);
         host
     }
 
-    /// Begins another text: it has a budget of its own.
-    pub(crate) fn begin(&mut self) {
+    /// Begins another text of a run with so much memory: it has a budget of its own.
+    pub(crate) fn begin(&mut self, program: &Program, memory_bytes: usize) {
         self.steps = 0;
+        self.machine.bring_up_to(program, &[]);
+        self.defined.clear();
         self.machine.limits.steps = MAX_STEPS * EVALUATION_SHARE;
+        self.machine.limits.bytes = memory_bytes / SHARE_OF_MEMORY;
+        self.ran_out = false;
+    }
+
+    /// Steps of all expansions of the text so far.
+    pub(crate) fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Whether an expansion of the text has come to the limit of memory. Another machine may have more
+    /// left of it, if this one has expanded other texts before.
+    pub(crate) fn has_run_out(&self) -> bool {
+        self.ran_out
+    }
+
+    /// Whether what it has made takes so little that it may wait for the next text.
+    pub(crate) fn is_small(&self) -> bool {
+        self.machine.heap.allocated < MAX_KEPT_BYTES
     }
 
     fn run(
@@ -66,7 +96,8 @@ impl MacroMachine {
         form: NodeId,
         origins: &mut Origins,
     ) -> Result<Value, Value> {
-        self.machine.bring_up_to(program, &[]);
+        self.machine.bring_up_constants(program, &[]);
+        self.machine.bring_up_globals(program, self.defined.drain(..));
         let arguments: Vec<Value> = tree.items(form)[1..]
             .iter()
             .map(|&item| datum::to_value(&mut self.machine.heap, &self.machine.symbols, tree, item, origins))
@@ -83,9 +114,6 @@ impl MacroMachine {
         self.machine.scratch.burned = 0;
         let result = self.machine.evaluate_function(&mut around, code, &arguments);
         self.steps += u64::from(self.machine.scratch.burned);
-        if self.steps > MAX_STEPS_OF_A_TEXT {
-            self.machine.limits.steps = MAX_STEPS / 100 * EVALUATION_SHARE;
-        }
         result
     }
 
@@ -111,7 +139,11 @@ impl MacroHost for MacroMachine {
         tree: &mut Tree,
         code: u32,
         form: NodeId,
-    ) -> Result<NodeId, Box<Diagnostic>> {
+        most: usize,
+    ) -> Result<NodeId, Unexpanded> {
+        if self.steps > MAX_STEPS_OF_A_TEXT {
+            return Err(Unexpanded::TooLong { steps: MAX_STEPS_OF_A_TEXT });
+        }
         // The machine interns into the compiler's own table while it runs.
         std::mem::swap(&mut self.machine.symbols, symbols);
         let mut origins = Origins::default();
@@ -122,8 +154,7 @@ impl MacroHost for MacroMachine {
             Ok(value) => {
                 let mut objects = Vec::new();
                 let heap = &self.machine.heap;
-                let node =
-                    datum::to_node(heap, symbols, tree, value, span, Some(&mut origins), &mut objects, MAX_NODES);
+                let node = datum::to_node(heap, symbols, tree, value, span, Some(&mut origins), &mut objects, most);
                 match (node, objects.first()) {
                     (Ok(node), None) => {
                         origins.place_loose(tree, form);
@@ -132,10 +163,7 @@ impl MacroHost for MacroMachine {
                     (Err(Unfit::Circle), _) => {
                         Err(Diagnostic::error("macro", span, "the expansion is a circular list", "in this call"))
                     }
-                    (Err(Unfit::TooLarge), _) => {
-                        let message = format!("the expansion has more than {MAX_NODES} parts");
-                        Err(Diagnostic::error("macro", span, message, "in this call"))
-                    }
+                    (Err(Unfit::TooLarge), _) => return Err(Unexpanded::TooLarge),
                     (Ok(_), Some(object)) => {
                         let message = format!("the expansion contains {}, which has no text", object.type_name());
                         Err(Diagnostic::error("macro", span, message, "in this call"))
@@ -143,6 +171,8 @@ impl MacroHost for MacroMachine {
                 }
             }
             Err(failure) => {
+                self.ran_out |= matches!(failure, Value::Failure(index)
+                    if symbols.name(self.machine.heap.failures[index].class) == "out-of-memory");
                 std::mem::swap(&mut self.machine.symbols, symbols);
                 let diagnostic = self.diagnostic(program, failure, tree, form);
                 std::mem::swap(&mut self.machine.symbols, symbols);
@@ -152,7 +182,11 @@ impl MacroHost for MacroMachine {
         if self.machine.heap.is_full() {
             self.machine.collect();
         }
-        expansion.map_err(Box::new)
+        expansion.map_err(|diagnostic| Unexpanded::Failed(Box::new(diagnostic)))
+    }
+
+    fn defined(&mut self, global: u32) {
+        self.defined.push(global);
     }
 }
 

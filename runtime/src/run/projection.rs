@@ -164,7 +164,7 @@ impl<O: Outside> System<O> {
         horizon_us: u64,
         seed: u64,
     ) -> Result<Figures, String> {
-        self.forked_with(robot).wanted_to_end(runs, horizon_us, Grain::Abstract, seed)
+        self.forked_with(robot).map_err(told)?.wanted_to_end(runs, horizon_us, Grain::Abstract, seed)
     }
 
     /// A fork for projecting forms that a session, which waits for some, would run; without a text those that it
@@ -182,10 +182,13 @@ impl<O: Outside> System<O> {
 
     /// What projected runs are forked from: this run, silent, with the robot that is foreseen.
     fn forked(&self, grain: Grain) -> Result<System<ForeseenRobot>, Raise> {
-        Ok(self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases(), grain)?))
+        self.forked_with(self.outside.foresee(self.machine.now_us, self.machine.phases(), grain)?)
     }
 
-    fn forked_with(&self, outside: ForeseenRobot) -> System<ForeseenRobot> {
+    /// # Errors
+    /// There is no room for copies of the run.
+    fn forked_with(&self, outside: ForeseenRobot) -> Result<System<ForeseenRobot>, Raise> {
+        let limit_bytes = self.machine.limit_of_fork().ok_or_else(|| self.machine.out_of_memory())?;
         let mut machine = self.machine.clone();
         machine.heap.share_vectors();
         machine.trace.enabled = false;
@@ -193,8 +196,9 @@ impl<O: Outside> System<O> {
         machine.output = Vec::new();
         machine.limits.steps = STEPS_IN_AN_INSTANT;
         machine.spent = Spent::default();
+        machine.limits.bytes = limit_bytes;
         machine.projected = Some(Box::default());
-        System {
+        Ok(System {
             program: self.program.clone(),
             units: self.units.clone(),
             machine,
@@ -205,7 +209,7 @@ impl<O: Outside> System<O> {
             slice_steps: SLICE_STEPS,
             slice_left: SLICE_STEPS,
             macros: Macros::default(),
-        }
+        })
     }
 }
 

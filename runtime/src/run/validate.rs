@@ -48,7 +48,7 @@ impl Machine {
         ensure(self.globals.len() == bounds.program.globals.len(), "there are not as many globals as in the program")?;
         ensure(self.current == NONE, "a task runs between two steps")?;
         ensure(self.now_us <= u64::MAX / 4, "the clock has run out")?;
-        ensure(self.next_identity <= u64::MAX / 2, "a counter has run out")?;
+        ensure(self.instant <= MAX_COUNT && self.next_identity <= u64::MAX / 2, "a counter has run out")?;
         let has_main = self.main != SCRATCH_TASK && self.tasks.get(self.main).is_some();
         ensure(has_main && self.tasks.get(SCRATCH_TASK).is_some(), "there is no main task")?;
         for &value in self.globals.iter().chain(&self.constants) {

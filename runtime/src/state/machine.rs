@@ -49,6 +49,8 @@ pub struct Machine {
     pub constants: Vec<Value>,
     /// Virtual time.
     pub now_us: u64,
+    /// Counts the instants.
+    pub instant: u32,
     /// What is spent of the steps of this instant.
     pub spent: Spent,
     /// The next identity of a block.
@@ -91,6 +93,9 @@ pub struct Machine {
 /// The task in which networks and macros are evaluated.
 pub(crate) const SCRATCH_TASK: u32 = 0;
 
+/// Its name, and its path.
+pub(crate) const NETWORK: &str = "network";
+
 impl Machine {
     /// A machine at time 0 for a program, before its first step.
     pub fn new(program: &Program, symbols: Symbols, random: Stream, foresight: Stream) -> Self {
@@ -107,6 +112,7 @@ impl Machine {
             globals: Vec::new(),
             constants: Vec::new(),
             now_us: 0,
+            instant: 1,
             spent: Spent::default(),
             next_identity: 0,
             current: NONE,
@@ -126,7 +132,7 @@ impl Machine {
             projected: None,
             scratch: Scratch::default(),
         };
-        let name = machine.symbols.intern("network");
+        let name = machine.symbols.intern(NETWORK);
         machine.tasks.insert(Task::new(0, Registers::default(), name, 0));
         machine.bring_up_to(program, &[]);
         machine

@@ -1,7 +1,7 @@
 //! Failure objects, made, and values described in their messages.
 
 use crate::state::failure::{Failure, Raise};
-use crate::state::machine::Machine;
+use crate::state::machine::{Machine, NETWORK};
 use crate::state::value::Value;
 use rpl_lang::code::Program;
 use rpl_lang::kind::{Kind, time_in_string};
@@ -134,6 +134,18 @@ impl Machine {
                 self.new_failure(task, class, with_short_words(message), slots)
             }
         }
+    }
+
+    /// A failure of a network as that of a task that reads it or waits for it: what went wrong and where is the
+    /// network's, the path and the calls are the task's. Another failure stays what it is.
+    pub(crate) fn failure_of_reader(&mut self, task: u32, failure: Value) -> Value {
+        let Value::Failure(index) = failure else { return failure };
+        if self.heap.failures[index].path != NETWORK {
+            return failure;
+        }
+        let (path, calls) = (self.path(task), self.plan_calls(task));
+        let of_network = self.heap.failures[index].clone();
+        self.heap.failure(Failure { path, calls, ..of_network })
     }
 
     /// Makes a failure of a class, of a task.

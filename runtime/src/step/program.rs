@@ -13,14 +13,24 @@ impl Machine {
     /// Makes room for what has been added to the program: constants, globals, valves. `objects`
     /// are the run-time objects that new constants name.
     pub fn bring_up_to(&mut self, program: &Program, objects: &[Value]) {
+        self.bring_up_constants(program, objects);
+        self.bring_up_globals(program, 0..program.globals.len() as u32);
+    }
+
+    /// The same for what constants were added.
+    pub(crate) fn bring_up_constants(&mut self, program: &Program, objects: &[Value]) {
         for constant in &program.constants[self.constants.len()..] {
             let value = self.constant(constant, objects);
             self.constants.push(value);
         }
+    }
+
+    /// The same for these globals, which were defined.
+    pub(crate) fn bring_up_globals(&mut self, program: &Program, defined: impl Iterator<Item = u32>) {
         self.globals.resize(program.globals.len(), Value::Unbound);
-        for (index, global) in program.globals.iter().enumerate() {
-            let known = self.globals[index];
-            self.globals[index] = match global.kind {
+        for index in defined {
+            let (global, known) = (&program.globals[index as usize], self.globals[index as usize]);
+            self.globals[index as usize] = match global.kind {
                 GlobalKind::Function(code) if code != u32::MAX => Value::Function(code),
                 GlobalKind::Valve => match known {
                     Value::Valve(_) => known,

@@ -61,7 +61,7 @@ impl Compiler<'_> {
         let Some(bindings) = bindings else {
             return self.malformed(span, "`(let ((NAME VALUE)...) FORM...)`");
         };
-        let before = self.bindings.len();
+        let before = self.locals.count();
         let mut bound = Vec::new();
         let mut waiting = Vec::new();
         for binding in bindings {
@@ -85,14 +85,16 @@ impl Compiler<'_> {
             let variable = self.new_variable(name, place);
             bound.push((variable, value));
             if sequential {
-                self.bindings.push((name, variable));
+                self.locals.bind(name, variable);
             } else {
                 waiting.push((name, variable));
             }
         }
-        self.bindings.extend(waiting);
+        for (name, variable) in waiting {
+            self.locals.bind(name, variable);
+        }
         let body = self.body(&rest[1..], span);
-        self.bindings.truncate(before);
+        self.locals.leave(before);
         Ir { span, kind: IrKind::Let(bound, Box::new(body)) }
     }
 
@@ -102,7 +104,7 @@ impl Compiler<'_> {
         let Some(bindings) = bindings else {
             return self.malformed(span, "`(letrec ((NAME VALUE)...) FORM...)`");
         };
-        let before = self.bindings.len();
+        let before = self.locals.count();
         let mut bound = Vec::new();
         let mut values = Vec::new();
         for binding in bindings {
@@ -127,7 +129,7 @@ impl Compiler<'_> {
             forms.push(Ir { span: value.span, kind: IrKind::SetLocal(variable, Box::new(value)) });
         }
         forms.push(self.body(&rest[1..], span));
-        self.bindings.truncate(before);
+        self.locals.leave(before);
         Ir { span, kind: IrKind::Let(bound, Box::new(Ir { span, kind: IrKind::Seq(forms) })) }
     }
 
@@ -138,12 +140,12 @@ impl Compiler<'_> {
             return self.malformed(span, "`(destructuring-bind (PARAMETER...) LIST FORM...)`");
         };
         let value = self.resolve(*value);
-        let before = self.bindings.len();
+        let before = self.locals.count();
         let list = self.new_list(span);
         let mut bound = vec![(list, value)];
         bound.extend(self.taken_apart(*parameters, list));
         let body = self.body(body, span);
-        self.bindings.truncate(before);
+        self.locals.leave(before);
         Ir { span, kind: IrKind::Let(bound, Box::new(body)) }
     }
 
@@ -181,8 +183,8 @@ impl Compiler<'_> {
             kind,
             parameters,
             bindings,
+            tags: scope.tags_in_order(),
             captures: scope.captures,
-            tags: scope.tags.unwrap_or_default(),
             body: Box::new(body),
             doc: None,
             span,

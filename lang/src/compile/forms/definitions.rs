@@ -177,6 +177,7 @@ impl Compiler<'_> {
         function.doc = doc;
         let code = emit::emit(self, &function, &[]);
         self.program.globals[global as usize].kind = GlobalKind::Function(code);
+        self.macros.defined(global);
         self.note_definition(name, span, Defined::Function(global, function));
     }
 
@@ -269,6 +270,7 @@ impl Compiler<'_> {
             }
         };
         self.program.globals[global as usize].initial = Some(constant);
+        self.macros.defined(global);
     }
 
     fn define_valve(&mut self, rest: &[NodeId], span: Span) {
@@ -341,10 +343,22 @@ impl Compiler<'_> {
             Ok((name, _)) if self.loading.contains(&name) => {
                 self.error("load", span, format!("`{name}` loads itself"), "loaded here");
             }
+            Ok(_) if self.expansion.is_over => {}
             Ok((name, text)) => {
                 let source = self.program.sources.add(&name, &text);
+                let before = self.tree.nodes.len();
                 let (forms, diagnostics) = read(&text, source, self.symbols, &mut self.tree);
                 self.diagnostics.extend(diagnostics);
+                let parts = self.tree.nodes.len() - before;
+                if self.loaded.insert(name.clone()) {
+                    self.expansion.has_read(parts);
+                } else if !self.expansion.has_read_again(parts) {
+                    let message = format!(
+                        "with `{name}` loaded once more, files that were loaded before and expansions have more than {} parts",
+                        self.expansion.most
+                    );
+                    return self.no_more(span, message, "load each file once, above its first use".into());
+                }
                 self.loading.push(name);
                 self.predeclare(&forms);
                 for form in forms {

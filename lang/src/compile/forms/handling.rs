@@ -87,12 +87,12 @@ impl Compiler<'_> {
                 return None;
             }
         };
-        let before = self.bindings.len();
+        let before = self.locals.count();
         if let Some(name) = name {
-            self.bindings.push((name, failure));
+            self.locals.bind(name, failure);
         }
         let body = self.body(&items[2..], span);
-        self.bindings.truncate(before);
+        self.locals.leave(before);
         Some(ClauseIr { span, classes, body })
     }
 

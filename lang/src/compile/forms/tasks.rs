@@ -65,7 +65,7 @@ impl Compiler<'_> {
             return None;
         }
         let root = self.functions.iter().rposition(|function| function.tags.is_some())?;
-        let known = self.functions[root].tags.iter().flatten().find(|(tag, _)| *tag == name).map(|&(_, tag)| tag);
+        let known = self.functions[root].tags.as_ref().and_then(|tags| tags.get(&name)).copied();
         let variable = match known {
             Some(variable) => variable,
             None => self.new_tag(root, name, self.tree.span(items[1])),
@@ -78,7 +78,7 @@ impl Compiler<'_> {
         self.variables.push(Variable { name, span, function: root, captured: false, assigned: true });
         let variable = VarId(self.variables.len() as u32 - 1);
         if let Some(tags) = &mut self.functions[root].tags {
-            tags.push((name, variable));
+            tags.insert(name, variable);
         }
         variable
     }

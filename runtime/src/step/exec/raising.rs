@@ -15,6 +15,8 @@ impl Machine {
     /// Raises a failure where the current task stands; answers how it left, if it did.
     pub(crate) fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, raise: Raise) -> Option<Exit> {
         let failure = self.failure_from(raise);
+        let failure =
+            if self.current == SCRATCH_TASK { failure } else { self.failure_of_reader(self.current, failure) };
         if let Value::Failure(index) = failure
             && self.heap.failures[index].span.is_none()
         {

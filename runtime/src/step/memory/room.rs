@@ -10,13 +10,17 @@ use crate::state::fluent::{Fluent, Watch};
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::memory::{LINK, MIN_THRESHOLD, TIMER, WAITER};
 use crate::state::output::Output;
-use crate::state::task::Frame;
+use crate::state::task::{Frame, Task, Waiting};
 use crate::state::trace::Event;
 use crate::state::value::Value;
 use crate::state::valve::Valve;
 
 /// A share of the limit that is not used up: collections never come closer.
 const RESERVE: usize = 64;
+
+/// Copies of a run that there are beside the one in which a plan is projected: the run itself, the one that is kept
+/// with the question, and the one that the forks are made of. Each question that is not answered yet keeps one more.
+const COPIES_BESIDE_A_FORK: usize = 3;
 
 /// A share of the limit that a table may keep as free room.
 const SLACK: usize = 32;
@@ -61,6 +65,23 @@ impl Machine {
     /// Whether so many more bytes may be made without a collection.
     pub fn has_room(&self, bytes: usize) -> bool {
         self.used_bytes().saturating_add(bytes) <= self.allowed_bytes()
+    }
+
+    /// The limit of a fork in which plans are projected, if there is room for it: what it may make is what this
+    /// run and all copies beside it leave of the limit.
+    pub(crate) fn limit_of_fork(&self) -> Option<usize> {
+        let is_asked = |task: &Task| task.waiting() == Some(Waiting::Answer);
+        let asked = self.tasks.iter().filter(|(_, task)| !task.state().is_dead() && is_asked(task)).count();
+        let others = self.used_bytes().saturating_mul(COPIES_BESIDE_A_FORK + asked);
+        let left = self.limits.bytes.checked_sub(others)?;
+        (self.used_bytes() <= left - left / RESERVE).then_some(left)
+    }
+
+    /// Makes sure that plans can be projected from here.
+    pub(crate) fn make_room_for_forks(&self) -> Result<(), Raise> {
+        // What is asked for leads to a collection, if it helps.
+        let missing = self.allowed_bytes().saturating_sub(self.used_bytes()) + 1;
+        self.limit_of_fork().map(|_| ()).ok_or(Raise::NoRoom(missing))
     }
 
     pub(crate) fn out_of_memory(&self) -> Raise {

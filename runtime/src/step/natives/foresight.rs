@@ -91,6 +91,7 @@ fn project(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
             Some(Stake { margin: call.number(5)?, standard_errors: call.number(6)?, worth })
         }
     };
+    call.machine.make_room_for_forks()?;
     let question = Question { plans, task, runs: runs as u32, horizon_us, grain, stake };
     Ok(Reply::Ask(Asked::Projection(Box::new(question))))
 }

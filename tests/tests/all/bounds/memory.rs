@@ -101,6 +101,47 @@ const PROGRAMS: &[(&str, &str)] = &[
         "deep registers",
         "(defun f (n) (let ((a n) (b n) (c n) (d n) (e n)) (list a b c d e (f (list a b c d e))))) (f 1)",
     ),
+    (
+        "projected runs that make much",
+        "(defvar l nil) (loop (setq l (append (iota 40000) l)) (project '(let ((k nil)) (loop (push 1 k))) :runs 2))",
+    ),
+    (
+        "projections of a large run",
+        "(defvar l (iota 20000)) (loop (setq l (append (iota 20000) l)) (project '(dotimes (i 100) (push i l)) :runs 3))",
+    ),
+    (
+        "comparisons of plans in a large run",
+        "(defvar l nil) (loop (setq l (append (iota 20000) l)) (compare-all '(push 1 l) (list '(push 2 l) '(push (random 9) l)) :runs 4))",
+    ),
+    (
+        "macros that double",
+        "(defmacro twice (n) (if (= n 0) 1 (list 'progn (list 'twice (- n 1)) (list 'twice (- n 1))))) (execute-plan '(twice 30))",
+    ),
+    (
+        "macros that make much",
+        "(defmacro grow () (let ((l nil)) (loop (push 1 l)))) (let ((l nil)) (loop (ignore-failures (error) (execute-plan '(grow))) (push (make-list 100000 1) l)))",
+    ),
+    (
+        "long texts in plans",
+        "(let ((s (string-repeat \"x\" 100000)) (l nil)) (loop (push s l) (execute-plan (list 'quote l))))",
+    ),
+    (
+        "plans given to tasks",
+        "(def-plan p () (par (:tag a (wait-time 100000)) (let ((l (list 1))) (loop (setq l (append l l)) (swap-plan a (list 'seq (list 'quote l) '(wait-time 100000))))))) (p)",
+    ),
+    ("timers", "(def-plan p () (let ((i 0)) (loop (spawn (at-time (+ 1000 i))) (incf i)))) (p)"),
+    ("deadlines", "(def-plan p () (loop (spawn (with-timeout 9 (wait-time 8))))) (p)"),
+    ("requests of a valve", "(def-valve v) (def-plan p () (with-valve v (loop (spawn (with-valve v 1))))) (p)"),
+    ("formats", "(let ((s \"x\")) (loop (setq s (format \"~a~a\" s s))))"),
+    (
+        "long names",
+        "(let ((i 0)) (loop (intern (string-append (string-repeat \"x\" 10000) (format \"~a\" i))) (incf i)))",
+    ),
+    ("records", "(defstruct r a b) (let ((l nil)) (loop (push (make-r :a 1 :b 2) l)))"),
+    ("pairs of keys and values", "(let ((l nil) (i 0)) (loop (setq l (acons i (list i) l)) (incf i)))"),
+    ("mapped lists", "(let ((l (iota 1000))) (loop (setq l (mapcar (lambda (x) (list x l)) (append l l)))))"),
+    ("attempts beside one another", "(def-plan p () (try-all (p) (wait-time 9))) (p)"),
+    ("quorums", "(def-plan p () (quorum 1 1 (p) (wait-time 9))) (p)"),
 ];
 
 /// Bytes of the memory of this process, by the name of the measure.

@@ -101,3 +101,25 @@ fn a_failure_carries_place_task_calls_and_parts() {
     let span = system.machine.heap.failures[failure].span.expect("a place");
     assert_eq!(&text[span.start as usize..span.end as usize], "(map 1+ 3)");
 }
+
+/// r[task.path]
+#[test]
+fn of_a_deep_path_the_last_names_are_written() {
+    let deepest = |depth: usize| {
+        let text =
+            format!("(def-plan p (n) (if (> n 1) (seq (p (- n 1)) 1) (print (task-path (this-task))))) (p {depth})");
+        run(&text).lines().next().unwrap_or_default().to_string()
+    };
+    assert_eq!(deepest(31), format!("main{}", "/p".repeat(31)));
+    assert_eq!(deepest(32), format!("…{}", "/p".repeat(32)));
+    assert_eq!(deepest(5000), format!("…{}", "/p".repeat(32)));
+}
+
+/// r[task.path]
+#[test]
+fn an_endless_recursion_is_traced_with_so_much_for_each_call() {
+    let events = |depth: usize| trace_of(&format!("(def-plan p (n) (if (> n 1) (seq (p (- n 1)) 1) 1)) (p {depth})"));
+    let longest = |depth: usize| events(depth).iter().map(|event| event.path.len()).max();
+    assert_eq!(longest(100), longest(10_000));
+    assert!(longest(10_000) < Some(100));
+}

@@ -2,7 +2,7 @@
 
 use rpl_runtime::run::system::Progress;
 use rpl_runtime::state::trace::EventKind;
-use rpl_tests::{check, detail, run, traced};
+use rpl_tests::{check, detail, run, system, traced, transcript};
 
 const PLANS: &str = "
     (def-plan slow () (wait-time 100) (fail \"too slow\"))
@@ -132,4 +132,23 @@ fn rules_of_the_library_go_on_where_the_old_plan_was_left() {
         "=> (seq (:tag a (unless (finished? a) 1)) (:tag b (unless (finished? b) 2)))"
     );
     assert_eq!(rule("other-way-first", "(try-in-order 1 2 3)"), "=> (try-in-order 2 3 1)");
+}
+
+/// r[project.memory]
+#[test]
+fn projections_count_against_the_memory_of_the_run() {
+    let limited = |text: &str| {
+        let mut system = system(text);
+        system.machine.limits.bytes = 1 << 24;
+        while system.advance() == Progress::Running {}
+        transcript(&mut system)
+    };
+    let much = "(project '(let ((l nil)) (loop (push 1 l))) :runs 2)";
+    assert_eq!(limited(&format!("(map second (projection-failures {much}))")), "=> (out-of-memory)");
+    let large = limited("(defvar l (iota 300000)) (project '(wait-time 1) :runs 2)");
+    assert!(large.starts_with("failed: out-of-memory"), "{large}");
+    // What was only left over is given back first.
+    let garbage =
+        limited("(dotimes (i 100) (iota 10000)) (first (projection-success (project '(wait-time 1) :runs 2)))");
+    assert_eq!(garbage, "=> 0.75");
 }

@@ -1,6 +1,8 @@
 //! Fluents, networks, pulses, waiting.
 
-use rpl_tests::{check, run};
+use rpl_runtime::run::system::Progress;
+use rpl_runtime::state::value::Value;
+use rpl_tests::{check, run, system};
 
 /// r[propagate.equal]
 #[test]
@@ -172,6 +174,28 @@ fn networks_fail_where_they_are_waited_for() {
         "woken\n=> a",
     );
     check("(def-fluent f 'a) (defvar n (fluent (> f 3))) (setf (value f) 5) (value n)", "=> t");
+}
+
+/// r[network.failure]
+#[test]
+fn the_failure_of_a_network_names_the_task_that_waits_and_its_calls() {
+    let watch = "(def-fluent y 1) (def-fluent n 2) (def-plan watch () FORM) (def-plan guarding () (watch) 1)";
+    let later = "(par (:tag guard (wait-time 1) (guarding)) (seq (wait-time 2) (setf (value y) 3)))";
+    for (form, path) in [
+        ("(wait-for (> (/ 1 (- (value y) 1)) 5))", "main/guard/guarding/watch"),
+        ("(wait-for (> (/ 1 (- (value y) 3)) 5))", "main/guard/guarding/watch"),
+        ("(whenever (> (/ 1 (- (value y) 3)) 5) 1)", "main/guard/guarding/watch"),
+        ("(value (fluent (/ 1 (- (value y) 1))))", "main/guard/guarding/watch"),
+    ] {
+        let mut system = system(&format!("{} {later}", watch.replace("FORM", form)));
+        while system.advance() == Progress::Running {}
+        let machine = &system.machine;
+        let Value::Failure(failure) = *machine.tasks[machine.main].value() else { panic!("{form} fails") };
+        let failure = &machine.heap.failures[failure];
+        let calls: Vec<_> = failure.calls.iter().map(|&(name, _)| machine.symbols.name(name)).collect();
+        assert_eq!((&*failure.path, calls), (path, vec!["watch", "guarding"]), "{form}");
+        assert!(failure.span.is_some(), "{form}");
+    }
 }
 
 /// r[fluent.calls]
