@@ -102,10 +102,6 @@ const PROGRAMS: &[(&str, &str)] = &[
         "(defun f (n) (let ((a n) (b n) (c n) (d n) (e n)) (list a b c d e (f (list a b c d e))))) (f 1)",
     ),
     (
-        "projected runs that make much",
-        "(defvar l nil) (loop (setq l (append (iota 40000) l)) (project '(let ((k nil)) (loop (push 1 k))) :runs 2))",
-    ),
-    (
         "projections of a large run",
         "(defvar l (iota 20000)) (loop (setq l (append (iota 20000) l)) (project '(dotimes (i 100) (push i l)) :runs 3))",
     ),
@@ -133,10 +129,6 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("deadlines", "(def-plan p () (loop (spawn (with-timeout 9 (wait-time 8))))) (p)"),
     ("requests of a valve", "(def-valve v) (def-plan p () (with-valve v (loop (spawn (with-valve v 1))))) (p)"),
     ("formats", "(let ((s \"x\")) (loop (setq s (format \"~a~a\" s s))))"),
-    (
-        "long names",
-        "(let ((i 0)) (loop (intern (string-append (string-repeat \"x\" 10000) (format \"~a\" i))) (incf i)))",
-    ),
     ("records", "(defstruct r a b) (let ((l nil)) (loop (push (make-r :a 1 :b 2) l)))"),
     ("pairs of keys and values", "(let ((l nil) (i 0)) (loop (setq l (acons i (list i) l)) (incf i)))"),
     ("mapped lists", "(let ((l (iota 1000))) (loop (setq l (mapcar (lambda (x) (list x l)) (append l l)))))"),
