@@ -91,7 +91,8 @@ fn of_grain(grain: Grain) -> &'static str {
 pub fn blocks(figures: &Figures) -> Vec<Block> {
     let [share, low, high] = figures.success.map(|share| 100.0 * share);
     let mut lines = vec![format!(
-        "of {} {}runs succeed {share:.0} % (95 % interval {low:.0} to {high:.0} %)",
+        "{} of {} {}runs succeed: success is probable to {share:.0} % (95 % interval {low:.0} to {high:.0} %)",
+        figures.successes,
         figures.runs,
         of_grain(figures.grain)
     )];

@@ -47,16 +47,20 @@ fn decided(event: &Event) -> String {
                 "" | "nil" => String::new(),
                 why => format!("; most that fail: {why}"),
             };
-            format!("looks ahead: {} of {} projected runs would succeed{why}", percent(of("success")), of("runs"))
+            format!(
+                "looks ahead: success is probable to {}, by {} projected runs{why}",
+                percent(of("success")),
+                of("runs")
+            )
         }
         "takes another plan" => format!("takes the plan of {}", of("rules")),
         "keeps its plan" => "keeps its plan".to_string(),
         what => format!(
-            "with {}: {} of {} runs would succeed, as it is {}; gain {} ± {}: {what}",
+            "with {}: success is probable to {} instead of {}, by {} runs; gain {} ± {}: {what}",
             of("rules"),
             percent(of("would-succeed")),
-            of("runs"),
             percent(of("success")),
+            of("runs"),
             rounded(of("gain")),
             rounded(of("error"))
         ),

@@ -418,8 +418,8 @@ fn why_tells_what_foresight_has_decided_about_a_task() {
     assert_eq!(told.status, 0, "{}", told.errors);
     // In the order in which it went: what was seen, compared, decided, and done.
     let story = [
-        "looks ahead: 3 % of 30 projected runs would succeed; most that fail: too slow",
-        "with quickly: 90 % of 8 runs would succeed, as it is 10 %; gain 1.00 ± 0.00: better",
+        "looks ahead: success is probable to 3 %, by 30 projected runs; most that fail: too slow",
+        "with quickly: success is probable to 90 % instead of 10 %, by 8 runs; gain 1.00 ± 0.00: better",
         "takes the plan of quickly",
         "begins another plan, given by main/with-policy[0]",
     ];

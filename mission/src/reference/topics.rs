@@ -133,7 +133,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "foresight",
         "Foresight",
-        "project project-rest chance-of-failure projecting? projection-success projection-time projection-failures projection-fluent \
+        "project project-rest chance-of-failure projecting? projection-success projection-successes projection-time projection-failures projection-fluent \
          projection-fluents projection-timeline projection-runs projection-horizon projection-thinking \
          projection-stale projection-grain compare-plans compare-all comparison-better comparison-certain comparison-difference comparison-error comparison-runs \
          comparison-first comparison-second comparison-thinking comparison-stale make-projection projection-p \

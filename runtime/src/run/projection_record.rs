@@ -161,6 +161,7 @@ impl Projection {
         let instants: u64 = self.runs.iter().map(|run| run.instants).sum();
         Figures {
             runs: self.runs.len(),
+            successes: self.successes(),
             success: self.success(),
             time_s: quantiles(self.runs.iter().filter(|run| run.is_success).map(took).collect()),
             failures: self.failures(),
@@ -172,11 +173,16 @@ impl Projection {
         }
     }
 
-    /// The share of successes and the ends of its 95 % interval, of the distribution that so many successes
-    /// in so many runs leave of it where nothing was known before.
+    fn successes(&self) -> usize {
+        self.runs.iter().filter(|run| run.is_success).count()
+    }
+
+    /// How probable success is and the ends of its 95 % interval, by the distribution that so many successes in so many
+    /// runs leave of it where nothing was known before. The mean is Laplace's rule of succession, (s + 1) / (n + 2):
+    /// a few runs that all succeed do not make it certain.
     fn success(&self) -> [f64; 3] {
         let count = self.runs.len() as f64;
-        let successes = self.runs.iter().filter(|run| run.is_success).count() as f64;
+        let successes = self.successes() as f64;
         let share = (successes + 1.0) / (count + 2.0);
         let reach = 1.96 * libm::sqrt(share * (1.0 - share) / (count + 3.0));
         [share, (share - reach).max(0.0), (share + reach).min(1.0)]
@@ -269,6 +275,7 @@ impl Figures {
         let [failures, fluents, timeline] = [failures, fluents, timeline].map(|lists| machine.heap.list(&lists));
         let values = [
             ("runs", Value::Int(self.runs as i64)),
+            ("successes", Value::Int(self.successes as i64)),
             ("success", success),
             ("time", time),
             ("failures", failures),

@@ -37,7 +37,9 @@ pub struct Comparison {
 pub struct Figures {
     /// How often it was projected.
     pub runs: usize,
-    /// The share of runs that succeed, and the ends of its 95 % interval.
+    /// How many of these runs succeeded.
+    pub successes: usize,
+    /// How probable success is, as they tell it, and the ends of its 95 % interval.
     pub success: [f64; 3],
     /// How long those take that succeed, if any does.
     pub time_s: Option<[f64; 3]>,

@@ -15,7 +15,12 @@ fn number(text: &str) -> f64 {
 fn what_is_certain_is_projected_so() {
     check(&[
         ("(projection-time (project '(wait-time 5) :runs 10))", "(5.0 5.0 5.0)"),
-        // Ten of ten leave a share of 11/12 behind, not 1.
+        (
+            "(let ((p (project '(wait-time 5) :runs 10))) (list (projection-runs p) (projection-successes p)))",
+            "(10 10)",
+        ),
+        ("(projection-successes (project '(fail \"x\") :runs 10))", "0"),
+        // Ten of ten leave a probability of 11/12 behind, not 1.
         ("(= (first (projection-success (project '(wait-time 5) :runs 10))) (/ 11.0 12))", "t"),
         ("(projection-failures (project '(wait-time 5) :runs 10))", "nil"),
         (
