@@ -95,7 +95,7 @@ pub(super) const FORMS: &[SpecialForm] = &[
         names: &["gather-map"],
         form: "(gather-map (NAME LIST [:most N]) FORM...)",
         doc: "As `gather`, one child for each element; with `:most`, so many at a time.",
-        example: "(print (gather-map (seconds '(3 1 2) :most 2)\n  (wait-time seconds)\n  (* 10 seconds)))",
+        example: "(print (gather-map (seconds '(3 1 2) :most 2)\n         (wait-time seconds)\n         (* 10 seconds)))",
         layout: Some(Layout::with(Body(1), &[Binding])),
         role: Role::Effect(|compiler, written| compiler.map_children(Quorum::GATHER, written)),
     },
