@@ -88,8 +88,9 @@ impl SimulatedWorld {
         self.doors_ahead.dedup();
     }
 
-    /// One step of the model, up to a time. The doors stand as they are drawn when the robot comes to them.
-    pub fn step(&mut self, robot: &mut AbstractRobot, wanted: Velocity, now_us: u64) -> Percept {
+    /// One step of the model, up to a time. The doors stand as they are drawn when the robot comes to them. A robot that
+    /// goes by sight, and not by the map, measures all the time.
+    pub fn step(&mut self, robot: &mut AbstractRobot, wanted: Velocity, now_us: u64, by_sight: bool) -> Percept {
         self.state.time_us = now_us;
         self.come_to_doors(robot);
         self.state.battery = if robot.has_power() { 1.0 } else { 0.0 };
@@ -98,7 +99,7 @@ impl SimulatedWorld {
         let commands = Commands { translation_mps, rotation_radps, sonars_on: true, ..Commands::default() };
         self.model.move_robot(&mut self.state, &commands);
         let mut percept =
-            if self.measures() { self.model.sense(&mut self.state, &commands) } else { self.unmeasured() };
+            if by_sight || self.measures() { self.model.sense(&mut self.state, &commands) } else { self.unmeasured() };
         percept.battery = robot.battery;
         percept
     }

@@ -162,7 +162,7 @@ impl<M: Module> SimulatedOffice<M> {
     /// One step of its world and of what drives it.
     fn step_world(&mut self, outbox: &mut Outbox) {
         let wanted = self.office.controller.board.drive_request;
-        let percept = self.world.step(&mut self.office.robot, wanted, self.next_step_us);
+        let percept = self.world.step(&mut self.office.robot, wanted, self.next_step_us, self.moves);
         let pose_in_map = self.world.robot_in_map();
         let is_driven = self.world.motion().velocity != Velocity::default();
         self.office.robot.carry_to(pose_in_map, is_driven);

@@ -88,10 +88,10 @@ impl Machine {
     /// The error for a place beyond the end of a list.
     #[cold]
     pub fn no_element_to_set(&self, list: Value, position: usize) -> Raise {
-        if self.heap.is_frozen(list) {
+        let length = self.heap.spine(list).count();
+        if self.heap.is_frozen(list) && position < length {
             return self.frozen(list);
         }
-        let length = self.heap.spine(list).count();
         Raise::new("index-error", format!("there is no element {position} to set: the length is {length}"))
     }
 

@@ -58,7 +58,7 @@ const USES: &[&str] = &[
     "(list (seq (:tag step 1) (finished? step)) (finished? step))",
     "(other-way nil '((shelve 1)))",
     "(let ((a (create-fluent 1)) (b (create-fluent 2))) (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
-    "(par (list (dequeue trays) (dequeue trays :if stringp)) (seq (enqueue trays 1) (enqueue trays \"two\") (value (queue-length trays))))",
+    "(par (list (dequeue trays) (dequeue trays :if (lambda (tray) (stringp tray)))) (seq (enqueue trays 1) (enqueue trays \"two\") (value (queue-length trays))))",
     "(with-parts-handled ((plan-failure (parts) (length parts))) (try-all (fail \"a\") (fail \"b\")))",
     "(with-foresight (:rules (library:last-step-first library:side-by-side) :horizon 60 :runs 2 :when (> light 3))
        (:tag one (shelve 'cup))

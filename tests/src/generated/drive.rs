@@ -309,10 +309,11 @@ impl Run<'_> {
         machine.tasks.reference(living[self.dice.below(living.len())])
     }
 
-    /// A fluent with a name.
+    /// A fluent that the text names: which others there are depends on what was collected.
     fn some_fluent(&mut self) -> u32 {
-        let fluents = self.system.machine.fluents.iter();
-        let named: Vec<u32> = fluents.filter(|(_, fluent)| fluent.name.is_some()).map(|(index, _)| index).collect();
+        let globals = self.system.machine.globals.iter();
+        let named: Vec<u32> =
+            globals.filter_map(|value| if let Value::Fluent(fluent) = value { Some(*fluent) } else { None }).collect();
         named[self.dice.below(named.len())]
     }
 

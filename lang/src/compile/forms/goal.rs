@@ -223,6 +223,9 @@ impl Compiler<'_> {
             }
             self.define_global(name, first.kind, first.doc, first.span);
         }
+        if let Some(first) = self.definitions.iter_mut().rfind(|definition| definition.name == plan) {
+            first.name = name;
+        }
         name
     }
 

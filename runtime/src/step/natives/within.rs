@@ -11,8 +11,8 @@ use rpl_lang::kind::Kind;
 
 pub(super) const NATIVES: &[Native] = &[Native {
     name: "%set-within",
-    parameters: "fluent new &rest steps",
-    doc: "Assigns a fluent a copy of its value that has something new at one place. Each step towards it is an accessor and its argument, or nil.",
+    parameters: "fluent value &rest values",
+    doc: "Assigns a fluent a copy of its value that has another value at one place. Each step towards it is an accessor and its argument, or nil.",
     effect: Effect::Acts,
     code: NativeCode::Plain(set_within),
 }];

@@ -124,14 +124,14 @@ impl Machine {
     }
 
     /// Looks for who can pre-empt the holder in one line. Those who are below no task that is above
-    /// the holder too all want the same subtree suspended: the first speaks for all, unless some of them belong to the
-    /// same clean-up as the holder.
+    /// the holder too all want the same subtree suspended: the first speaks for all. If a clean-up keeps it waiting to
+    /// which others belong, the holder runs at its priority, and they have to wait as well.
     fn look_along(&self, next: &mut NextServed, valve: u32, below: &Below, holder: u32, floor: u32) {
         let entry = &self.valves[valve as usize];
         let link = entry.links.binary_search_by_key(&below.link, |link| link.number).ok().map(|at| entry.links[at]);
         let lender = link.filter(Link::is_hold).and_then(|link| self.tasks.find(link.task));
         let is_inside = lender.is_some_and(|lender| self.is_within(holder, lender));
-        let most = if is_inside || self.runs_in_clean_up(holder) { usize::MAX } else { 1 };
+        let most = if is_inside { usize::MAX } else { 1 };
         for (place, task) in below.line.iter().take(most) {
             let is_higher = self.priorities.is_higher(place.priority, floor);
             if !is_higher || next.note(&self.priorities, place, task, self.way(task, place.priority, valve)) {
@@ -184,18 +184,6 @@ impl Machine {
             at = record.parent;
         }
         cleaning
-    }
-
-    /// Whether a task was started in a clean-up, itself or what is around it.
-    fn runs_in_clean_up(&self, task: u32) -> bool {
-        let mut at = task;
-        while let Some(around) = self.tasks.get(self.tasks[at].parent) {
-            if around.is_within_clean_up(self.tasks[at].parent_scope) {
-                return true;
-            }
-            at = self.tasks[at].parent;
-        }
-        false
     }
 
     /// Whether a task is one that cleans up, or runs in its clean-up.

@@ -102,10 +102,6 @@ const PROGRAMS: &[(&str, &str)] = &[
         "(defun f (n) (let ((a n) (b n) (c n) (d n) (e n)) (list a b c d e (f (list a b c d e))))) (f 1)",
     ),
     (
-        "projections of a large run",
-        "(defvar l (iota 20000)) (loop (setq l (append (iota 20000) l)) (project '(dotimes (i 100) (push i l)) :runs 3))",
-    ),
-    (
         "comparisons of plans in a large run",
         "(defvar l nil) (loop (setq l (append (iota 20000) l)) (compare-all '(push 1 l) (list '(push 2 l) '(push (random 9) l)) :runs 4))",
     ),

@@ -211,7 +211,7 @@ fn a_fence_is_waited_for_and_the_next_one_is_not_entered() {
               (seq (wait-time 1) (swap-plan a '(seq (print 'one) (wait-time 9))) (print 'first))
               (seq (wait-time 2) (swap-plan a '(seq (print 'two) (wait-time 9))) (print 'second)))
          (now)",
-        "one\nsecond\nfirst\ntwo\n=> 12.0",
+        "one\nfirst\ntwo\nsecond\n=> 12.0",
     );
 }
 

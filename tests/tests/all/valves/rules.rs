@@ -526,7 +526,7 @@ fn what_a_clean_up_starts_is_not_interrupted_from_outside() {
          nil",
         "(high 4.0)\n(low 4.0)\n=> nil",
     );
-    // Who is more important, and outside, keeps nobody inside from it.
+    // Who waits outside lends the clean-up its priority: then nobody inside is more important.
     check(
         "(def-valve arm)
          (with-policy (seq (wait-time 0.5) (with-valve arm (print (list 'policy (now)))))
@@ -535,7 +535,7 @@ fn what_a_clean_up_starts_is_not_interrupted_from_outside() {
                   (with-priority -1 nil)
                   (with-priority 1 (wait-time 1) (with-valve arm (wait-time 1) (print (list 'high (now))))))))
          nil",
-        "(high 2.0)\n(low 2.0)\n(policy 2.0)\n=> nil",
+        "(low 2.0)\n(policy 2.0)\n(high 3.0)\n=> nil",
     );
 }
 

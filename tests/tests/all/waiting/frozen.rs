@@ -52,7 +52,6 @@ fn a_copy_of_a_run_and_a_saved_one_know_what_is_frozen() {
                            (lambda () (setf (gethash 'a (third x)) 9)))))";
     let mut system = rpl_tests::system(text);
     system.run_until(500_000);
-    system.machine.collect();
     let saved = system.save();
     let loaded =
         library().load("test.rpl", text, &mut NoFiles).unwrap_or_else(|found| panic!("{}", found.render(false)));
