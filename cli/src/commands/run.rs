@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Keeps pace with the wall clock, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
     pub realtime: Option<f64>,
-    /// Steps a task may make in one instant before it counts as a runaway
+    /// Steps all tasks may make in one instant before it counts as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
     /// What the robot remembers of driving by cases: read at the start if it is there, written at the end

@@ -80,7 +80,7 @@ pub const CLASSES: &[(&str, &str, &[&str], &str)] = &[
     ("control-error", "error", &[], "A block was left that is not active any more, or belongs to another task."),
     ("network-error", "error", &[], "A fluent network tried to wait, to assign or to act."),
     ("no-robot", "error", &[], "The plan needs a robot, and there is none."),
-    ("runaway", "error", &[], "A task spent its budget of steps in one instant."),
+    ("runaway", "error", &[], "The tasks spent all steps of one instant."),
     ("stack-overflow", "error", &[], "Calls were nested too deep."),
     ("out-of-memory", "error", &[], "The plan's data outgrew the memory it is allowed."),
     ("timeout", "failure", &["seconds"], "The deadline of a `with-timeout` came first."),

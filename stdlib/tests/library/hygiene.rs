@@ -69,7 +69,7 @@ const USES: &[&str] = &[
 fn names() -> BTreeSet<String> {
     let (program, symbols) = library().names();
     let globals = program.names.keys().chain(program.macros.keys()).map(|&name| symbols.name(name));
-    let natives = library().natives.iter().map(|native| native.name.as_ref());
+    let natives = library().natives.iter().map(|native| native.name);
     let forms = special_forms().flat_map(|form| form.names.iter().copied());
     let known = globals.chain(natives).chain(forms);
     known.filter(|name| mark_of(name).is_none() && !name.starts_with(':')).map(str::to_string).collect()
@@ -108,9 +108,12 @@ fn undisturbed(form: &str) -> Result<String, String> {
     value
 }
 
+/// A value or a failure, as `evaluate` tells it.
+type Given = Result<String, String>;
+
 /// Checks that each form gives what it gives undisturbed; messages show it as it is written.
 #[track_caller]
-fn all_are(found: Vec<(String, Result<String, String>, Result<String, String>)>) {
+fn all_are(found: Vec<(String, Given, Given)>) {
     let plain = |value: &Result<String, String>| value.as_ref().map(|value| value.replace("library:", "")).ok();
     let wrong = found.into_iter().filter(|(_, value, expected)| plain(value) != plain(expected));
     let wrong: Vec<String> =

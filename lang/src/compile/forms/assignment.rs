@@ -29,6 +29,13 @@ pub(super) const FORMS: &[SpecialForm] = &[
     },
 ];
 
+/// One accessor of a place, and its argument beside what it accesses.
+#[derive(Clone, Copy)]
+struct Access {
+    accessor: NodeId,
+    argument: Option<NodeId>,
+}
+
 impl Compiler<'_> {
     fn setq(&mut self, rest: &[NodeId], span: Span) -> Ir {
         if rest.is_empty() || !rest.len().is_multiple_of(2) {
@@ -149,9 +156,8 @@ impl Compiler<'_> {
         Ir { span, kind: IrKind::Call(Callee::Native(number as u16), arguments) }
     }
 
-    /// For a place within `(value FLUENT)`: the fluent, and the accessors that lead to it from the place, each with its
-    /// other argument.
-    fn way_from_value(&self, place: NodeId) -> Option<(NodeId, Vec<(NodeId, Option<NodeId>)>)> {
+    /// For a place within `(value FLUENT)`: the fluent, and the accessors that lead to it from the place.
+    fn way_from_value(&self, place: NodeId) -> Option<(NodeId, Vec<Access>)> {
         let (mut steps, mut at) = (Vec::new(), place);
         loop {
             let items = self.tree.proper_list(at)?;
@@ -167,15 +173,15 @@ impl Compiler<'_> {
                 (_, &[_, within]) => (within, None),
                 _ => return None,
             };
-            steps.push((items[0], argument));
+            steps.push(Access { accessor: items[0], argument });
             at = within;
         }
     }
 
     /// What a fluent has never changes: it is assigned a copy that differs at the place.
-    fn set_within(&mut self, fluent: NodeId, steps: &[(NodeId, Option<NodeId>)], value: NodeId, span: Span) -> Ir {
+    fn set_within(&mut self, fluent: NodeId, steps: &[Access], value: NodeId, span: Span) -> Ir {
         let mut arguments = vec![self.resolve(fluent), self.resolve(value)];
-        for &(accessor, argument) in steps {
+        for &Access { accessor, argument } in steps {
             let at = self.tree.span(accessor);
             let Some((_, name)) = self.tree.name(accessor) else { continue };
             let setter = format!("%set-{}", self.symbols.name(name));

@@ -23,8 +23,10 @@ enum Step {
     Element(usize),
     /// What follows so many elements of a list.
     Rest(usize),
-    /// An element of a vector.
+    /// An element of a list or vector.
     Position(Value),
+    /// An element of a vector.
+    VectorPosition(Value),
     /// The value of a key in a hash table.
     Entry(Value),
     /// A slot of a record of a kind, counted behind that.
@@ -71,7 +73,8 @@ impl Machine {
         };
         Ok(match name {
             "nth" => vec![Step::Element(position()?)],
-            "elt" | "vref" => vec![Step::Position(argument)],
+            "elt" => vec![Step::Position(argument)],
+            "vref" => vec![Step::VectorPosition(argument)],
             "gethash" => vec![Step::Entry(argument)],
             "first" => vec![Step::Element(0)],
             "second" => vec![Step::Element(1)],
@@ -110,7 +113,7 @@ impl Machine {
                 }
                 other => Err(self.wrong_type("the position", "an integer from 0 on", other)),
             },
-            Step::Position(position) => {
+            Step::Position(position) | Step::VectorPosition(position) => {
                 let Some(&part) = self.heap.element(&of, position) else {
                     return Err(self.no_element("(setf vref)", of, *position));
                 };

@@ -128,7 +128,6 @@ const PROGRAMS: &[(&str, &str)] = &[
     ("records", "(defstruct r a b) (let ((l nil)) (loop (push (make-r :a 1 :b 2) l)))"),
     ("pairs of keys and values", "(let ((l nil) (i 0)) (loop (setq l (acons i (list i) l)) (incf i)))"),
     ("mapped lists", "(let ((l (iota 1000))) (loop (setq l (mapcar (lambda (x) (list x l)) (append l l)))))"),
-    ("attempts beside one another", "(def-plan p () (try-all (p) (wait-time 9))) (p)"),
     ("quorums", "(def-plan p () (quorum 1 1 (p) (wait-time 9))) (p)"),
 ];
 
