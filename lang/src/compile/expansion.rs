@@ -28,7 +28,7 @@ pub(super) struct Expansion {
     pub(super) most: usize,
     /// Whether more were asked for.
     pub(super) lacks_room: bool,
-    /// Whether too much was asked for, parts or steps: that was told, and nothing more is expanded.
+    /// Whether too much was asked for, parts, steps or depth: that was told, and nothing more is expanded.
     pub(super) is_over: bool,
 }
 
@@ -75,6 +75,8 @@ impl Compiler<'_> {
         if self.expansion.in_a_row >= MAX_EXPANSIONS_IN_A_ROW {
             let message = format!("this macro expands into macros more than {MAX_EXPANSIONS_IN_A_ROW} deep");
             self.error("endless-macro", self.tree.span(node), message, "the expansion has no end");
+            // One that uses itself twice would be told at the end of every branch.
+            self.expansion.is_over = true;
             return None;
         }
         let before = self.tree.nodes.len();

@@ -103,3 +103,13 @@ fn files_that_load_each_other_twice_are_bounded() {
     assert!(told.contains("error[too-much-expanded]: with `f"), "{told}");
     assert!(library().load("test", "(defvar x 1)", &mut NoFiles).is_ok());
 }
+
+/// r[limit.expansion]
+#[test]
+fn a_macro_without_an_end_is_told_once_however_often_it_uses_itself() {
+    for body in ["`(boom ,n)", "`(progn (boom ,n) (boom ,n))", "`(progn (boom ,n) (boom ,n) (boom ,n))"] {
+        let told = faults(&format!("(defmacro boom (n) {body})\n(boom 1)\n(boom 2)"));
+        assert_eq!(told.matches("error[").count(), 1, "{told:.600}");
+        assert!(told.contains("error[endless-macro]") && told.contains("test:2:1"), "{told:.600}");
+    }
+}

@@ -79,8 +79,12 @@ impl Machine {
                     task.leave(Leaving::Evaporate);
                     return self.tasks.insert(task);
                 }
-                State::Evaporated | State::Ready | State::Running | State::Blocked => {}
-                State::Succeeded | State::Failed => {}
+                State::Ready
+                | State::Running
+                | State::Blocked
+                | State::Succeeded
+                | State::Failed
+                | State::Evaporated => {}
             }
         }
         let index = self.tasks.insert(task);

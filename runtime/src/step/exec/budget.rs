@@ -53,7 +53,7 @@ impl Machine {
         Raise::new(
             "runaway",
             format!(
-                "{} steps in one instant without blocking; let it wait, as with `(wait-time 0.1)`, or end it, as with `until`",
+                "{} steps in one instant; let it wait, as with `(wait-time 0.1)`, or end it, as with `until`",
                 self.budget()
             ),
         )

@@ -50,7 +50,10 @@ fn set_within(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let program = call.around.program;
     let steps = call.arguments[2..].chunks(2).rev().map(|step| call.machine.step(program, step[0], step[1]));
     let steps: Vec<Step> = steps.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
-    let changed = call.machine.changed(Place { program, begun_bytes: call.machine.used_bytes() }, old, &steps, new)?;
+    let place = Place { program, begun_bytes: call.machine.used_bytes() };
+    let changed = call.machine.changed(place, old, &steps, new)?;
+    // What was looked at was copied.
+    call.burn(call.machine.used_bytes().saturating_sub(place.begun_bytes) / PAIR);
     call.machine.assign_fluent(call.around, fluent, changed)?;
     Ok(Reply::Value(new))
 }
@@ -58,10 +61,6 @@ fn set_within(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 impl Machine {
     /// The steps of one accessor with its argument.
     fn step(&self, program: &Program, accessor: Value, argument: Value) -> Result<Vec<Step>, Raise> {
-        let position = || match argument {
-            Value::Int(position) if position >= 0 => Ok(position as usize),
-            other => Err(self.wrong_type("the position", "an integer from 0 on", other)),
-        };
         let name = match accessor {
             Value::Function(setter) => {
                 let slot = program.codes[setter as usize].slot.as_ref().filter(|slot| slot.assigns);
@@ -72,7 +71,7 @@ impl Machine {
             other => return Err(self.wrong_type("what is assigned", "a slot of a record", other)),
         };
         Ok(match name {
-            "nth" => vec![Step::Element(position()?)],
+            "nth" => vec![Step::Element(self.position(argument)?)],
             "elt" => vec![Step::Position(argument)],
             "vref" => vec![Step::VectorPosition(argument)],
             "gethash" => vec![Step::Entry(argument)],
@@ -98,6 +97,13 @@ impl Machine {
         })
     }
 
+    fn position(&self, value: Value) -> Result<usize, Raise> {
+        match value {
+            Value::Int(position) if position >= 0 => Ok(position as usize),
+            other => Err(self.wrong_type("the position", "an integer from 0 on", other)),
+        }
+    }
+
     /// A value like another but for the place that the steps lead to. Cost: what lies before that place.
     fn changed(&mut self, place: Place<'_>, of: Value, steps: &[Step], new: Value) -> Result<Value, Raise> {
         let Some((step, further)) = steps.split_first() else { return Ok(new) };
@@ -107,12 +113,9 @@ impl Machine {
                 Err(raise) => Err(raise),
                 Ok(()) => self.changed_element(place, of, *slot, further, new),
             },
-            Step::Position(position) if matches!(of, Value::Nil | Value::Cons(_)) => match *position {
-                Value::Int(position) if position >= 0 => {
-                    self.changed_element(place, of, position as usize, further, new)
-                }
-                other => Err(self.wrong_type("the position", "an integer from 0 on", other)),
-            },
+            Step::Position(position) if matches!(of, Value::Nil | Value::Cons(_)) => {
+                self.changed_element(place, of, self.position(*position)?, further, new)
+            }
             Step::Position(position) | Step::VectorPosition(position) => {
                 let Some(&part) = self.heap.element(&of, position) else {
                     return Err(self.no_element("(setf vref)", of, *position));

@@ -119,6 +119,20 @@ fn a_place_within_a_value_is_assigned_by_a_copy_that_is_seen() {
     assert!(told.starts_with("error[not-a-place]"), "{told}");
 }
 
+/// r[fluent.within], r[limit.steps]
+#[test]
+fn what_is_copied_counts_as_steps() {
+    for value in ["(alist->hash-table (map (lambda (i) (cons i i)) (iota 1000)))", "(make-vector 1000 0)"] {
+        let accessor = if value.starts_with("(make") { "vref (value f) 7" } else { "gethash 7 (value f)" };
+        let mut system =
+            rpl_tests::system(&format!("(def-fluent f {value}) (wait-time 1) (dotimes (i 50) (setf ({accessor}) i))"));
+        system.machine.limits.steps = 20_000;
+        while system.advance() == rpl_runtime::run::system::Progress::Running {}
+        let told = rpl_tests::transcript(&mut system);
+        assert!(told.starts_with("failed: runaway"), "{value}: {told}");
+    }
+}
+
 /// r[fluent.within]
 #[test]
 fn what_comes_to_the_front_of_a_long_value_costs_no_walk() {
