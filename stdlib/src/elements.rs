@@ -159,8 +159,8 @@ fn entry(call: &mut Call<'_, '_>, by_value: bool) -> Result<Option<(Value, Value
     let found = find(call, 1, |heap, item| match item {
         Value::Nil => Ok((false, 0)),
         Value::Cons(entry) => {
-            let (key, content) = heap.pair(entry);
-            Ok(heap.compared(if by_value { content } else { key }, wanted))
+            let half = if by_value { heap.pairs.cdr(entry) } else { *heap.pairs.car(entry) };
+            Ok(heap.compared(half, wanted))
         }
         other => Err(other),
     })?;

@@ -1,6 +1,6 @@
 //! `format`: text with directives that stand for arguments.
 
-use crate::arguments::{NativeResult, pure, room_for_text, text};
+use crate::arguments::{NativeResult, drafted, pure, room_for_text};
 use rpl_lang::kind::Kind;
 use rpl_lang::number::format_float;
 use rpl_runtime::state::failure::Raise;
@@ -9,9 +9,6 @@ use rpl_runtime::step::native::{Call, Native};
 
 /// Wider columns and more decimals are taken for a mistake.
 const MAX_WIDTH: usize = 1_000;
-
-/// The room that is made for each argument beforehand.
-const WIDTH_GUESSED: usize = 16;
 
 /// What stands between `~` and the letter: `~WIDTH,DECIMALSf`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -99,11 +96,11 @@ fn pad(out: &mut String, shown: &str, directive: Directive) {
 fn format(call: &mut Call<'_, '_>) -> NativeResult {
     let template = call.text(0)?;
     let mut rest = &*template;
-    let mut out = String::with_capacity(template.len() + WIDTH_GUESSED * call.arguments.len());
+    let mut out = call.draft();
     let mut next = 1;
-    while let Some((before, behind)) = rest.split_once('~') {
-        out.push_str(before);
-        rest = behind;
+    while let Some(at) = rest.bytes().position(|byte| byte == b'~') {
+        out.push_str(&rest[..at]);
+        rest = &rest[at + 1..];
         let directive = directive(&mut rest)?;
         match directive.letter {
             '%' => out.extend(std::iter::repeat_n('\n', directive.width.max(1))),
@@ -130,7 +127,7 @@ fn format(call: &mut Call<'_, '_>) -> NativeResult {
         let (given, used) = (call.arguments.len() - 1, next - 1);
         return Err(malformed(format!("the format has {used} directives, and there are {given} values for them")));
     }
-    text(call, &out)
+    drafted(call, out)
 }
 
 /// Formatting; `%format` is the same for expansions of macros.

@@ -25,6 +25,7 @@ fn string_append(call: &mut Call<'_, '_>) -> NativeResult {
     }
     room_for_text(call, length)?;
     let mut joined = call.draft();
+    joined.reserve(length);
     for at in 0..count(call) {
         joined.push_str(call.str(at)?);
     }

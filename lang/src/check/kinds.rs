@@ -134,8 +134,10 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
                 Binary::Div => "/",
                 Binary::NumEq => "=",
                 Binary::NumDiffer => "/=",
-                // `>` is compiled as `<` with its operands exchanged.
-                Binary::Less | Binary::LessEq => "a comparison",
+                Binary::Less => "<",
+                Binary::LessEq => "<=",
+                Binary::Greater => ">",
+                Binary::GreaterEq => ">=",
                 Binary::Eq | Binary::Cons => return,
             };
             look(name, Kind::Number, left);

@@ -122,6 +122,8 @@ pub enum Op {
     JumpUnlessNumEq(Reg, Reg, i32),
     /// unless `r0 ≠ r1`
     JumpUnlessNumDiffer(Reg, Reg, i32),
+    /// unless `r0 eq r1`
+    JumpUnlessEq(Reg, Reg, i32),
     /// unless `r0 < integer`
     JumpUnlessLessInt(Reg, i16, i32),
     /// unless `r0 ≤ integer`
@@ -168,6 +170,8 @@ pub enum Op {
     CallNative(Reg, Reg, u8, u16),
     /// `r0 := closure over code i`, capturing the registers that code names
     Closure(Reg, u32),
+    /// the value that the closure r0 has captured at a position `:= r2`, before anybody else knows the closure
+    SetCaptured(Reg, u8, Reg),
     /// end the frame with the value r0
     Return(Reg),
     /// the body of a plan begins: a node of the task tree

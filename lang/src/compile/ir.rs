@@ -58,10 +58,40 @@ pub(crate) enum Binary {
     Div,
     Less,
     LessEq,
+    Greater,
+    GreaterEq,
     NumEq,
     NumDiffer,
     Eq,
     Cons,
+}
+
+impl Binary {
+    /// Whether it is a test, which gives `t` or nil.
+    pub(crate) fn is_test(self) -> bool {
+        match self {
+            Self::Less | Self::LessEq | Self::Greater | Self::GreaterEq | Self::NumEq | Self::NumDiffer | Self::Eq => {
+                true
+            }
+            Self::Add | Self::Sub | Self::Mul | Self::Div | Self::Cons => false,
+        }
+    }
+
+    /// Whether it tells how numbers are ordered.
+    pub(crate) fn is_order(self) -> bool {
+        matches!(self, Self::Less | Self::LessEq | Self::Greater | Self::GreaterEq)
+    }
+
+    /// The operation that is the same with its operands exchanged, if it is a comparison.
+    pub(crate) fn mirrored(self) -> Self {
+        match self {
+            Self::Less => Self::Greater,
+            Self::LessEq => Self::GreaterEq,
+            Self::Greater => Self::Less,
+            Self::GreaterEq => Self::LessEq,
+            other => other,
+        }
+    }
 }
 
 /// One-operand operations with an instruction of their own.

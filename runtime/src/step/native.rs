@@ -16,7 +16,7 @@ use std::sync::Arc;
 const CHARACTERS_A_STEP: usize = 8;
 
 /// Bytes that are kept from a text that was written for the next one, at most.
-const MAX_DRAFT: usize = 1 << 10;
+const MAX_DRAFT: usize = 1 << 16;
 
 /// So many pairs are passed in the time of one turn of a loop.
 const PAIRS_A_STEP: usize = 4;

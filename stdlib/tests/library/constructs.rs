@@ -67,7 +67,7 @@ fn loops() {
         ("(dotimes 5 1)", "this is not of the form `(dotimes (NAME COUNT [RESULT]) FORM...)`"),
         ("(dolist (x 5) x)", "type-error"),
         ("(let ((i 9223372036854775807)) (loop while (< i 1.0e19) (setq i (+ i 1))))", "integer overflow in +"),
-        ("(let ((i 0) (end 5)) (loop while (< i end) (setq end 'a) (setq i (+ i 1))))", "an operand of `<`"),
+        ("(let ((i 0) (end 5)) (loop while (< i end) (setq end 'a) (setq i (+ i 1))))", "an operand of a comparison"),
         // A macro that fails does not keep the next one from being expanded.
         ("(dolist 5) (dotimes 5)", "`(dotimes (NAME COUNT [RESULT]) FORM...)`"),
     ]);
@@ -453,13 +453,81 @@ fn a_loop_is_left_at_its_first_test_whatever_that_looks_at() {
     check_failures(&[
         (
             "(let ((i 0)) (loop while (< i 3) (setq i 'three)))",
-            "an operand of `<` must be a number, and it is the symbol three",
+            "an operand of a comparison must be a number, and it is the symbol three",
         ),
         (
             "(let ((i 0)) (loop while (/= i 3) (setq i 'three)))",
             "an operand of `/=` must be a number, and it is the symbol three",
         ),
-        ("(let ((i 9)) (loop while (>= i 3) (setq i nil)))", "an operand of `>=` must be a number, and it is nil"),
+        (
+            "(let ((i 9)) (loop while (>= i 3) (setq i nil)))",
+            "an operand of a comparison must be a number, and it is nil",
+        ),
+    ]);
+}
+
+/// r[eval.tail], r[eval.scope]
+#[test]
+fn local_functions_call_one_another_and_themselves() {
+    check(&[
+        (
+            "(labels ((even? (n) (if (= n 0) t (odd? (- n 1)))) (odd? (n) (if (= n 0) nil (even? (- n 1))))) (list (even? 200000) (odd? 7)))",
+            "(t t)",
+        ),
+        // What is around them, before them and behind them.
+        (
+            "(let ((a 1) (b 2) (c 3)) (labels ((f (n) (if (= n 0) (list a b c) (g (- n 1)))) (g (n) (setq a (+ a n)) (h n)) (h (n) (f n))) (f 3)))",
+            "(4 2 3)",
+        ),
+        // One that is assigned anew is called anew by the others.
+        (
+            "(labels ((f (n) (if (= n 0) 'old (g (- n 1)))) (g (n) (f n))) (let ((before (f 2))) (setq f (lambda (n) (list 'new n))) (list before (g 5))))",
+            "(old (new 5))",
+        ),
+        // They outlive the form, and each run of it makes its own.
+        (
+            "(defun counter (n) (labels ((next () (setq n (+ n 1)) (self)) (self () n)) next)) (let ((one (counter 0)) (other (counter 10))) (one) (list (one) (other)))",
+            "(2 11)",
+        ),
+        ("(letrec ((f (lambda (n) (if (= n 0) x (f (- n 1))))) (x 7)) (f 3))", "7"),
+        (
+            "(let ((down (labels ((down (n) (if (= n 0) 'done (funcall down (- n 1))))) down))) (funcall down 1000000))",
+            "done",
+        ),
+    ]);
+    // They are found by the collector through one another.
+    check(&[(
+        "(let ((f (labels ((a (n) (if (= n 0) 'kept (b (- n 1)))) (b (n) (c n)) (c (n) (a n))) c))) (dotimes (i 400000) (list i i i)) (f 5))",
+        "kept",
+    )]);
+}
+
+/// r[eval.arguments]
+#[test]
+fn operands_of_a_comparison_are_evaluated_in_their_order() {
+    for operator in ["<", "<=", ">", ">=", "=", "/=", "eq"] {
+        let seen = format!(
+            "(let ((seen nil)) (flet ((see (n) (push n seen) n)) (if ({operator} (see 1) (see 2)) 1 2) (let ((value ({operator} (see 3) (see 4)))) seen)))"
+        );
+        check(&[(&seen, "(4 3 2 1)")]);
+    }
+    // What stands in a variable is read before the other operand changes it.
+    check(&[
+        ("(let ((a 3)) (> a (progn (setq a 1) 2)))", "t"),
+        ("(let ((a 3)) (if (>= 2 (progn (setq a 1) a)) 'yes 'no))", "yes"),
+        ("(let ((a 1)) (if (> a (progn (setq a 3) 2)) 'yes 'no))", "no"),
+        ("(let ((a 'x) (b 'x)) (list (if (eq a b) 1 2) (if (eq a (progn (setq b 'y) b)) 1 2)))", "(1 2)"),
+        (
+            "(let ((a 2) (b 1.5)) (list (> a b) (>= b a) (if (> b a) 1 2) (if (>= a 2) 1 2) (if (> 3 a) 1 2)))",
+            "(t nil 2 1 1)",
+        ),
+    ]);
+    check_failures(&[
+        (
+            "(let ((a 'x) (b 2)) (if (> a b) 1 2))",
+            "an operand of a comparison must be a number, and it is the symbol x",
+        ),
+        ("(let ((a 'x)) (> 2 a))", "an operand of a comparison must be a number, and it is the symbol x"),
     ]);
 }
 

@@ -28,8 +28,7 @@ impl Emitter<'_, '_> {
         if self.with_product(operation, left, right, into) {
             return;
         }
-        let left_reg = self.operand(left, &[right]);
-        let right_reg = self.operand(right, &[]);
+        let (operation, left_reg, right_reg) = self.operands(operation, left, right);
         let returning = match operation {
             Binary::Add => Some(Op::ReturnAdd(left_reg, right_reg)),
             Binary::Sub => Some(Op::ReturnSub(left_reg, right_reg)),
@@ -47,13 +46,23 @@ impl Emitter<'_, '_> {
             Binary::Sub => Op::Sub(into, left_reg, right_reg),
             Binary::Mul => Op::Mul(into, left_reg, right_reg),
             Binary::Div => Op::Div(into, left_reg, right_reg),
-            Binary::Less => Op::Less(into, left_reg, right_reg),
-            Binary::LessEq => Op::LessEq(into, left_reg, right_reg),
+            Binary::Less | Binary::Greater => Op::Less(into, left_reg, right_reg),
+            Binary::LessEq | Binary::GreaterEq => Op::LessEq(into, left_reg, right_reg),
             Binary::NumEq => Op::NumEq(into, left_reg, right_reg),
             Binary::NumDiffer => Op::NumDiffer(into, left_reg, right_reg),
             Binary::Eq => Op::Eq(into, left_reg, right_reg),
             Binary::Cons => Op::Cons(into, left_reg, right_reg),
         });
+    }
+
+    /// Evaluates both operands in their order; gives the operation and the registers of its operands.
+    fn operands(&mut self, operation: Binary, left: &Ir, right: &Ir) -> (Binary, Reg, Reg) {
+        let left_reg = self.operand(left, &[right]);
+        let right_reg = self.operand(right, &[]);
+        match operation {
+            Binary::Greater | Binary::GreaterEq => (operation.mirrored(), right_reg, left_reg),
+            _ => (operation, left_reg, right_reg),
+        }
     }
 
     /// Emits a sum or difference with a product, if it is one; tells so. In networks it would not be plain.
@@ -86,43 +95,42 @@ impl Emitter<'_, '_> {
         true
     }
 
-    /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: an
-    /// instruction tells errors by its own name, and there are none for the opposite of equality.
+    /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: there are none
+    /// for the opposite of equality.
     pub(super) fn compare_and_jump(&mut self, holds: bool, operation: Binary, left: &Ir, right: &Ir) -> usize {
         let immediate = |ir: &Ir| match ir.kind {
-            IrKind::Int(value) => i16::try_from(value).ok(),
+            IrKind::Int(value) if operation != Binary::Eq => i16::try_from(value).ok(),
             _ => None,
         };
-        if let Some(value) = immediate(right) {
-            let left = self.operand(left, &[]);
-            return self.push(match (operation, holds) {
-                (Binary::Less, false) => Op::JumpUnlessLessInt(left, value, 0),
-                (Binary::Less, true) => Op::JumpIfLessInt(left, value, 0),
-                (Binary::LessEq, false) => Op::JumpUnlessLessEqInt(left, value, 0),
-                (Binary::LessEq, true) => Op::JumpIfLessEqInt(left, value, 0),
-                (Binary::NumDiffer, _) => Op::JumpUnlessNumDifferInt(left, value, 0),
-                _ => Op::JumpUnlessNumEqInt(left, value, 0),
-            });
-        }
-        if let Some(value) = immediate(left) {
-            let right = self.operand(right, &[]);
-            return self.push(match (operation, holds) {
-                (Binary::Less, false) => Op::JumpUnlessGreaterInt(right, value, 0),
-                (Binary::Less, true) => Op::JumpIfGreaterInt(right, value, 0),
-                (Binary::LessEq, false) => Op::JumpUnlessGreaterEqInt(right, value, 0),
-                (Binary::LessEq, true) => Op::JumpIfGreaterEqInt(right, value, 0),
-                (Binary::NumDiffer, _) => Op::JumpUnlessNumDifferInt(right, value, 0),
-                _ => Op::JumpUnlessNumEqInt(right, value, 0),
-            });
-        }
-        let left_reg = self.operand(left, &[right]);
-        let right_reg = self.operand(right, &[]);
+        let (number, value, operation) = match (immediate(left), immediate(right)) {
+            (_, Some(value)) => (left, value, operation),
+            (Some(value), None) => (right, value, operation.mirrored()),
+            (None, None) => return self.compare_registers_and_jump(holds, operation, left, right),
+        };
+        let number = self.operand(number, &[]);
+        self.push(match (operation, holds) {
+            (Binary::Less, false) => Op::JumpUnlessLessInt(number, value, 0),
+            (Binary::Less, true) => Op::JumpIfLessInt(number, value, 0),
+            (Binary::LessEq, false) => Op::JumpUnlessLessEqInt(number, value, 0),
+            (Binary::LessEq, true) => Op::JumpIfLessEqInt(number, value, 0),
+            (Binary::Greater, false) => Op::JumpUnlessGreaterInt(number, value, 0),
+            (Binary::Greater, true) => Op::JumpIfGreaterInt(number, value, 0),
+            (Binary::GreaterEq, false) => Op::JumpUnlessGreaterEqInt(number, value, 0),
+            (Binary::GreaterEq, true) => Op::JumpIfGreaterEqInt(number, value, 0),
+            (Binary::NumDiffer, _) => Op::JumpUnlessNumDifferInt(number, value, 0),
+            _ => Op::JumpUnlessNumEqInt(number, value, 0),
+        })
+    }
+
+    fn compare_registers_and_jump(&mut self, holds: bool, operation: Binary, left: &Ir, right: &Ir) -> usize {
+        let (operation, left_reg, right_reg) = self.operands(operation, left, right);
         self.push(match (operation, holds) {
             (Binary::Less, false) => Op::JumpUnlessLess(left_reg, right_reg, 0),
             (Binary::Less, true) => Op::JumpIfLess(left_reg, right_reg, 0),
-            (Binary::LessEq, false) => Op::JumpUnlessLessEq(left_reg, right_reg, 0),
             (Binary::LessEq, true) => Op::JumpIfLessEq(left_reg, right_reg, 0),
+            (Binary::LessEq, false) => Op::JumpUnlessLessEq(left_reg, right_reg, 0),
             (Binary::NumDiffer, _) => Op::JumpUnlessNumDiffer(left_reg, right_reg, 0),
+            (Binary::Eq, _) => Op::JumpUnlessEq(left_reg, right_reg, 0),
             _ => Op::JumpUnlessNumEq(left_reg, right_reg, 0),
         })
     }

@@ -28,11 +28,12 @@ impl Emitter<'_, '_> {
                 let reg = self.operand(inner, &[]);
                 vec![self.push(Op::JumpIfTrue(reg, 0))]
             }
-            IrKind::Binary(
-                operation @ (Binary::Less | Binary::LessEq | Binary::NumEq | Binary::NumDiffer),
-                left,
-                right,
-            ) => {
+            // In networks sameness is what a plain one can do.
+            IrKind::Binary(Binary::Eq, ..) if self.kind == CodeKind::Network => {
+                let reg = self.operand(condition, &[]);
+                vec![self.push(Op::JumpIfNil(reg, 0))]
+            }
+            IrKind::Binary(operation, left, right) if operation.is_test() => {
                 vec![self.compare_and_jump(false, *operation, left, right)]
             }
             _ => {
@@ -147,7 +148,7 @@ impl Emitter<'_, '_> {
                 let reg = self.operand(inner, &[]);
                 self.push(Op::JumpIfNil(reg, 0))
             }
-            IrKind::Binary(operation @ (Binary::Less | Binary::LessEq), left, right) => {
+            IrKind::Binary(operation, left, right) if operation.is_order() => {
                 self.compare_and_jump(true, *operation, left, right)
             }
             _ => {

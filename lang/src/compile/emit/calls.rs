@@ -27,16 +27,16 @@ impl Emitter<'_, '_> {
             return self.take(first, into);
         };
         let slot = if tail { None } else { self.slot_access(global, count) };
-        let slot = slot.and_then(|slot| Some((slot, self.own_register(argument, others.iter())?)));
-        if slot.is_none() {
+        let own = slot.and_then(|_| self.own_register(argument, others.iter()));
+        if own.is_none() {
             self.value(argument, first, false);
         }
         if !others.is_empty() {
             self.arguments(others);
         }
         self.push(match slot {
-            Some((slot, own)) if slot.assigns => Op::CallSetSlot(first, own, global),
-            Some((_, own)) => Op::CallSlot(first, own, global),
+            Some(slot) if slot.assigns => Op::CallSetSlot(first, own.unwrap_or(first), global),
+            Some(_) => Op::CallSlot(first, own.unwrap_or(first), global),
             None if tail => Op::TailCall(first, count, global),
             None => Op::Call(first, count, global),
         });
@@ -82,7 +82,7 @@ impl Emitter<'_, '_> {
         }
         let count = arguments.len() as u8;
         match callee {
-            Callee::Native(native) if self.native_instruction(*native, arguments, into) => {}
+            Callee::Native(native) if self.native_instruction(*native, arguments, into, tail) => {}
             Callee::Native(native) => {
                 let first = self.arguments(arguments);
                 if self.compiler.natives[usize::from(*native)].calls {
@@ -93,17 +93,20 @@ impl Emitter<'_, '_> {
                 }
             }
             Callee::Global(global) => self.call_global(*global, arguments, into, tail),
-            Callee::Value(function) => {
-                let behind: Vec<&Ir> = arguments.iter().collect();
-                let function = self.operand(function, &behind);
-                let first = self.first_argument(into);
-                self.arguments_from(first, arguments);
-                self.push(match tail {
-                    true => Op::TailCallValue(first, function, count),
-                    false => Op::CallValue(first, function, count),
-                });
-                self.take(first, into);
-            }
+            Callee::Value(function) => self.call_value(function, arguments, into, tail),
         }
+    }
+
+    /// Calls the function that is the value of a form.
+    pub(super) fn call_value(&mut self, function: &Ir, arguments: &[Ir], into: Reg, tail: bool) {
+        let behind: Vec<&Ir> = arguments.iter().collect();
+        let function = self.operand(function, &behind);
+        let (count, first) = (arguments.len() as u8, self.first_argument(into));
+        self.arguments_from(first, arguments);
+        self.push(match tail {
+            true => Op::TailCallValue(first, function, count),
+            false => Op::CallValue(first, function, count),
+        });
+        self.take(first, into);
     }
 }

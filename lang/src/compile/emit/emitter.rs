@@ -96,6 +96,7 @@ impl Emitter<'_, '_> {
             | Op::JumpUnlessLessEq(_, _, to)
             | Op::JumpUnlessNumEq(_, _, to)
             | Op::JumpUnlessNumDiffer(_, _, to)
+            | Op::JumpUnlessEq(_, _, to)
             | Op::JumpUnlessLessInt(_, _, to)
             | Op::JumpUnlessLessEqInt(_, _, to)
             | Op::JumpUnlessGreaterInt(_, _, to)

@@ -7,7 +7,7 @@ use crate::compile::ir::{Ir, IrKind};
 
 impl Emitter<'_, '_> {
     /// Emits the instruction for a call of a native, if there is one.
-    pub(super) fn native_instruction(&mut self, native: u16, arguments: &[Ir], into: Reg) -> bool {
+    pub(super) fn native_instruction(&mut self, native: u16, arguments: &[Ir], into: Reg, tail: bool) -> bool {
         match (self.compiler.natives[usize::from(native)].name.as_str(), arguments) {
             ("%set-value", [fluent, value]) => {
                 let fluent = self.operand(fluent, &[value]);
@@ -36,6 +36,7 @@ impl Emitter<'_, '_> {
                 let default = default.first().map_or(NO_REG, |default| self.operand(default, &[]));
                 self.push(Op::TableRef(into, key, table, default));
             }
+            ("funcall", [function, arguments @ ..]) => self.call_value(function, arguments, into, tail),
             ("%extend", [end, value]) => {
                 let end = self.operand(end, &[value]);
                 let value = self.operand(value, &[]);

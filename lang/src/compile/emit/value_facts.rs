@@ -49,7 +49,7 @@ pub(super) fn is_cheap_test(ir: &Ir, depth: usize) -> bool {
         }
         IrKind::Local(_) => true,
         IrKind::Unary(Unary::Not, inner) => matches!(inner.kind, IrKind::Local(_)),
-        IrKind::Binary(Binary::Less | Binary::LessEq, left, right) => {
+        IrKind::Binary(operation, left, right) if operation.is_order() => {
             is_cheap_number(left, depth) && is_cheap_number(right, depth)
         }
         _ => false,
@@ -57,11 +57,11 @@ pub(super) fn is_cheap_test(ir: &Ir, depth: usize) -> bool {
 }
 
 /// Whether the form is a test that can be made to jump where it fails, and says by itself whether it holds: its value is `t`
-/// or nil. None that would tell its errors by another name then.
+/// or nil.
 pub(super) fn is_test(ir: &Ir) -> bool {
     match &ir.kind {
-        IrKind::Unary(Unary::Not, _) | IrKind::Binary(Binary::NumEq | Binary::NumDiffer, ..) => true,
-        IrKind::Binary(Binary::Less | Binary::LessEq, left, _) => !matches!(left.kind, IrKind::Int(_)),
+        IrKind::Unary(Unary::Not, _) => true,
+        IrKind::Binary(operation, ..) => operation.is_test(),
         _ => false,
     }
 }

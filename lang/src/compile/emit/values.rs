@@ -5,6 +5,7 @@ use super::value_facts::{Literal, has_no_code, has_no_effect, writes_once};
 use crate::code::{Atom, NO_REG, Op, Reg};
 use crate::compile::ir::{Callee, Ir, IrKind, Unary, VarId};
 use crate::stack::deep;
+use std::collections::BTreeSet;
 
 impl Emitter<'_, '_> {
     /// Emits code that leaves the form's value in `into`.
@@ -243,6 +244,9 @@ impl Emitter<'_, '_> {
     }
 
     pub(super) fn bind(&mut self, bindings: &[(VarId, Ir)]) {
+        if may_call_later_ones(bindings) {
+            return self.bind_functions(bindings);
+        }
         for (variable, value) in bindings {
             let reg = self.fresh();
             self.value(value, reg, false);
@@ -250,4 +254,48 @@ impl Emitter<'_, '_> {
             self.put_in_cell(*variable, reg);
         }
     }
+
+    /// Binds functions that capture one another: each is given those that are made after it when all are made.
+    fn bind_functions(&mut self, functions: &[(VarId, Ir)]) {
+        for (variable, _) in functions {
+            let reg = self.fresh();
+            self.place(*variable, reg);
+        }
+        let mut missing = Vec::new();
+        let mut made = BTreeSet::new();
+        for (variable, value) in functions {
+            let reg = self.registers[variable];
+            self.value(value, reg, false);
+            if let IrKind::Lambda(function) = &value.kind {
+                let captures = function.captures.iter().enumerate();
+                let later = captures.filter(|(_, captured)| !made.contains(*captured));
+                missing.extend(later.map(|(position, captured)| (reg, position, *captured)));
+            }
+            made.insert(*variable);
+        }
+        for (reg, position, captured) in missing {
+            if functions.iter().any(|(variable, _)| *variable == captured) {
+                // A position has a register in the function, as a value it captures has.
+                self.push(Op::SetCaptured(reg, position as u8, self.registers[&captured]));
+            }
+        }
+    }
+}
+
+/// Whether a function among the values captures its own variable, or that of a later one: `letrec` has such.
+fn may_call_later_ones(bindings: &[(VarId, Ir)]) -> bool {
+    let is_function = |(_, value): &(VarId, Ir)| matches!(value.kind, IrKind::Lambda(_));
+    if !bindings.iter().any(is_function) {
+        return false;
+    }
+    let mut later: BTreeSet<VarId> = bindings.iter().map(|(variable, _)| *variable).collect();
+    bindings.iter().any(|(variable, value)| {
+        let captures = match &value.kind {
+            IrKind::Lambda(function) => function.captures.as_slice(),
+            _ => &[],
+        };
+        let found = captures.iter().any(|captured| later.contains(captured));
+        later.remove(variable);
+        found
+    })
 }

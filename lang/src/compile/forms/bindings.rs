@@ -3,7 +3,7 @@
 use super::special_form::{Role, SpecialForm, Written};
 use crate::code::CodeKind;
 use crate::compile::compiler::{Compiler, thunk};
-use crate::compile::ir::{Function, Ir, IrKind};
+use crate::compile::ir::{Function, Ir, IrKind, VarId};
 use crate::compile::pattern::Lists;
 use crate::layout::ItemShape::{Bindings, Data};
 use crate::layout::Layout;
@@ -98,15 +98,15 @@ impl Compiler<'_> {
         Ir { span, kind: IrKind::Let(bound, Box::new(body)) }
     }
 
-    /// All names are bound before any value is computed.
+    /// All names are bound before any value is computed. Functions that nobody assigns anew are the values of their
+    /// variables from the first on; others are assigned in the order of binding.
     fn letrec(&mut self, rest: &[NodeId], span: Span) -> Ir {
         let bindings = rest.first().and_then(|&list| self.list_items(list));
         let Some(bindings) = bindings else {
             return self.malformed(span, "`(letrec ((NAME VALUE)...) FORM...)`");
         };
         let before = self.locals.count();
-        let mut bound = Vec::new();
-        let mut values = Vec::new();
+        let mut written = Vec::new();
         for binding in bindings {
             let place = self.tree.span(binding);
             let items = self.tree.proper_list(binding).map(<[NodeId]>::to_vec).unwrap_or_default();
@@ -119,17 +119,27 @@ impl Compiler<'_> {
                 continue;
             };
             let variable = self.bind(name, place);
-            bound.push((variable, self.nil(place)));
-            values.push((variable, items[1]));
+            written.push((variable, place, items[1]));
+        }
+        let mut bound = Vec::new();
+        for &(variable, _, value) in &written {
+            bound.push((variable, self.resolve(value)));
+        }
+        let body = self.body(&rest[1..], span);
+        self.locals.leave(before);
+        let is_constant = |(variable, value): &(VarId, Ir)| {
+            matches!(value.kind, IrKind::Lambda(_)) && !self.variables[variable.0 as usize].assigned
+        };
+        if bound.iter().all(is_constant) {
+            return Ir { span, kind: IrKind::Let(bound, Box::new(body)) };
         }
         let mut forms = Vec::new();
-        for (variable, value) in values {
-            let value = self.resolve(value);
+        for (variable, value) in bound {
             self.variables[variable.0 as usize].assigned = true;
             forms.push(Ir { span: value.span, kind: IrKind::SetLocal(variable, Box::new(value)) });
         }
-        forms.push(self.body(&rest[1..], span));
-        self.locals.leave(before);
+        forms.push(body);
+        let bound = written.into_iter().map(|(variable, place, _)| (variable, self.nil(place))).collect();
         Ir { span, kind: IrKind::Let(bound, Box::new(Ir { span, kind: IrKind::Seq(forms) })) }
     }
 

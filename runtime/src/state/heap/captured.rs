@@ -3,7 +3,7 @@
 use crate::state::block::block;
 use crate::state::value::Value;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 /// So many values need no block of their own.
 const FEW: usize = 2;
@@ -36,6 +36,15 @@ impl Deref for Captured {
     fn deref(&self) -> &[Value] {
         match &self.0 {
             Place::Inside(count, values) => &values[..usize::from(*count).min(FEW)],
+            Place::Outside(values) => values,
+        }
+    }
+}
+
+impl DerefMut for Captured {
+    fn deref_mut(&mut self) -> &mut [Value] {
+        match &mut self.0 {
+            Place::Inside(count, values) => &mut values[..usize::from(*count).min(FEW)],
             Place::Outside(values) => values,
         }
     }

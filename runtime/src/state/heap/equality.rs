@@ -60,14 +60,23 @@ impl Heap {
     }
 
     /// Structural equality, and how many pairs and elements were looked at to know it.
-    #[inline]
+    #[inline(always)]
     pub fn compared(&self, left: Value, right: Value) -> (bool, usize) {
         match (left, right) {
-            (Value::Str(_), Value::Str(_))
-            | (Value::Float(_), Value::Float(_))
-            | (Value::Cons(_), Value::Cons(_))
-            | (Value::Vector(_), Value::Vector(_)) => self.compared_by_content(left, right),
-            (left, right) => (left == right, 0),
+            (Value::Cons(_), Value::Cons(_)) | (Value::Vector(_), Value::Vector(_)) => {
+                self.compared_by_content(left, right)
+            }
+            (left, right) => (self.are_equal_atoms(left, right), 0),
+        }
+    }
+
+    /// The same for values one of which has no parts.
+    #[inline(always)]
+    fn are_equal_atoms(&self, left: Value, right: Value) -> bool {
+        match (left, right) {
+            (Value::Str(a), Value::Str(b)) => a == b || self.strings[a] == self.strings[b],
+            (Value::Float(a), Value::Float(b)) => a == b || a.is_nan() && b.is_nan(),
+            (left, right) => left == right,
         }
     }
 
@@ -110,18 +119,8 @@ impl Heap {
                         waiting.push(ToCompare::Elements(a, b, 0));
                     }
                 }
-                (Value::Str(a), Value::Str(b)) => {
-                    if self.strings[a] != self.strings[b] {
-                        return (false, steps);
-                    }
-                }
-                (Value::Float(a), Value::Float(b)) => {
-                    if a != b && !(a.is_nan() && b.is_nan()) {
-                        return (false, steps);
-                    }
-                }
                 (left, right) => {
-                    if left != right {
+                    if !self.are_equal_atoms(left, right) {
                         return (false, steps);
                     }
                 }

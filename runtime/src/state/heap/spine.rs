@@ -38,7 +38,7 @@ impl Iterator for Spine<'_> {
     /// The pair itself and its first half.
     type Item = (u32, Value);
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<(u32, Value)> {
         let Value::Cons(pair) = self.at else { return None };
         if pair == self.anchor {

@@ -20,7 +20,7 @@ impl Machine {
     #[inline(never)]
     pub(crate) fn wrong_operands(&self, operation: &str, left: Value, right: Value) -> Raise {
         let culprit = if left.as_f64().is_none() { left } else { right };
-        self.wrong_type(&format!("an operand of `{operation}`"), Kind::Number.noun(), culprit)
+        self.wrong_type(&format!("an operand of {operation}"), Kind::Number.noun(), culprit)
     }
 
     /// Counts up what is no integer, or is the last there is; or what is counted up to no integer.
@@ -31,7 +31,7 @@ impl Machine {
         match *register {
             Value::Int(count) => *register = Value::Int(count.checked_add(1).ok_or_else(|| overflow("+"))?),
             Value::Float(count) => *register = Value::Float(count + 1.0),
-            other => return Err(self.wrong_operands("+", other, other)),
+            other => return Err(self.wrong_operands("`+`", other, other)),
         }
         Ok(Proceed::On)
     }
@@ -70,7 +70,7 @@ macro_rules! arithmetic {
                 $to = Value::Float(x $operator y as f64);
                 next!();
             }
-            (&left, &right) => fail!($machine.wrong_operands($name, left, right)),
+            (&left, &right) => fail!($machine.wrong_operands(concat!("`", $name, "`"), left, right)),
         }
     };
 }

@@ -80,10 +80,10 @@ impl Machine {
                 Op::AddInt(a, b, value) => {
                     arithmetic!(self, r!(a), r!(b), Value::Int(i64::from(value)), "+", checked_add, +)
                 }
-                Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <)),
-                Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=)),
-                Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==)),
-                Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=)),
+                Op::Less(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "a comparison", <)),
+                Op::LessEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "a comparison", <=)),
+                Op::NumEq(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "`=`", ==)),
+                Op::NumDiffer(a, b, c) => r!(a) = Value::truth(compare!(self, r!(b), r!(c), "`/=`", !=)),
                 Op::Eq(a, b, c) => r!(a) = Value::truth(r!(b) == r!(c)),
                 Op::Not(a, b) => r!(a) = Value::truth(matches!(r!(b), Value::Nil)),
                 Op::Jump(distance) => rest = &rest[distance as usize..],

@@ -8,7 +8,7 @@ use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::{assign_entry, read_entry};
 use crate::step::exec::arithmetic::{arithmetic, compare, compare_int, overflow};
-use crate::step::exec::calls::{clear_registers, place_captured};
+use crate::step::exec::calls::{clear_registers, move_down, place_captured};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
@@ -310,7 +310,7 @@ impl Machine {
                         if callee.exact_count == u16::from($count) && self.scratch.frames.len() < few_frames {
                             let (first, count) = (usize::from($first), usize::from($count));
                             let start = if $is_tail && callee.kind != CodeKind::Plan {
-                                r.copy_within(first..first + count, 0);
+                                move_down(r, first, count);
                                 0
                             } else {
                                 self.scratch.frames.push(frame!());
@@ -413,7 +413,7 @@ impl Machine {
                         }
                         (&left, &right) => match attempt!(quotient(left, right)) {
                             Some(value) => r!(a) = value,
-                            None => fail!(self.wrong_operands("/", left, right)),
+                            None => fail!(self.wrong_operands("`/`", left, right)),
                         },
                     },
                     Op::AddInt(a, b, value) => match r!(b) {
@@ -425,7 +425,7 @@ impl Machine {
                             None => fail!(overflow("+")),
                         },
                         Value::Float(x) => r!(a) = Value::Float(x + f64::from(value)),
-                        other => fail!(self.wrong_operands("+", other, other)),
+                        other => fail!(self.wrong_operands("`+`", other, other)),
                     },
                     Op::Count(a, end, to) => match (&r!(a), &r!(end)) {
                         (&Value::Int(count), &Value::Int(end)) => count!(a, count, end, to),
@@ -436,19 +436,19 @@ impl Machine {
                         _ => hand_over!(self.count_other(place, a)),
                     },
                     Op::Less(a, b, c) => {
-                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<", <));
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "a comparison", <));
                         next!();
                     }
                     Op::LessEq(a, b, c) => {
-                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "<=", <=));
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "a comparison", <=));
                         next!();
                     }
                     Op::NumEq(a, b, c) => {
-                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "=", ==));
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "`=`", ==));
                         next!();
                     }
                     Op::NumDiffer(a, b, c) => {
-                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "/=", !=));
+                        r!(a) = Value::truth(compare!(self, r!(b), r!(c), "`/=`", !=));
                         next!();
                     }
                     Op::Eq(a, b, c) => {
@@ -522,7 +522,7 @@ impl Machine {
                     Op::SetVectorRef(vector, position, value) => {
                         match self.heap.element_mut(&r!(vector), &r!(position)) {
                             Some(element) => {
-                                *element = r!(value);
+                                assign!(*element, r!(value));
                                 next!();
                             }
                             None => {
@@ -570,22 +570,35 @@ impl Machine {
                     Op::JumpIfNil(a, distance) => when!(matches!(r!(a), Value::Nil), jump, distance),
                     Op::JumpIfTrue(a, distance) => when!(!matches!(r!(a), Value::Nil), jump, distance),
                     Op::JumpIfGiven(a, distance) => when!(!matches!(r!(a), Value::Unbound), skip, distance),
-                    Op::JumpUnlessLess(a, b, to) => when!(!compare!(self, r!(a), r!(b), "<", <), skip, to),
-                    Op::JumpUnlessLessEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "<=", <=), skip, to),
-                    Op::JumpUnlessNumEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "=", ==), skip, to),
-                    Op::JumpUnlessNumDiffer(a, b, to) => when!(!compare!(self, r!(a), r!(b), "/=", !=), skip, to),
-                    Op::JumpUnlessLessInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "<", <), skip, to),
-                    Op::JumpUnlessLessEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "<=", <=), skip, to),
-                    Op::JumpUnlessGreaterInt(a, n, to) => when!(!compare_int!(self, r!(a), n, ">", >), skip, to),
-                    Op::JumpUnlessGreaterEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, ">=", >=), skip, to),
-                    Op::JumpUnlessNumEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "=", ==), skip, to),
-                    Op::JumpUnlessNumDifferInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "/=", !=), skip, to),
-                    Op::JumpIfLess(a, b, to) => when!(compare!(self, r!(a), r!(b), "<", <), back, to),
-                    Op::JumpIfLessEq(a, b, to) => when!(compare!(self, r!(a), r!(b), "<=", <=), back, to),
-                    Op::JumpIfLessInt(a, n, to) => when!(compare_int!(self, r!(a), n, "<", <), back, to),
-                    Op::JumpIfLessEqInt(a, n, to) => when!(compare_int!(self, r!(a), n, "<=", <=), back, to),
-                    Op::JumpIfGreaterInt(a, n, to) => when!(compare_int!(self, r!(a), n, ">", >), back, to),
-                    Op::JumpIfGreaterEqInt(a, n, to) => when!(compare_int!(self, r!(a), n, ">=", >=), back, to),
+                    Op::JumpUnlessLess(a, b, to) => when!(!compare!(self, r!(a), r!(b), "a comparison", <), skip, to),
+                    Op::JumpUnlessLessEq(a, b, to) => {
+                        when!(!compare!(self, r!(a), r!(b), "a comparison", <=), skip, to)
+                    }
+                    Op::JumpUnlessNumEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "`=`", ==), skip, to),
+                    Op::JumpUnlessNumDiffer(a, b, to) => when!(!compare!(self, r!(a), r!(b), "`/=`", !=), skip, to),
+                    Op::JumpUnlessEq(a, b, to) => when!(r!(a) != r!(b), skip, to),
+                    Op::JumpUnlessLessInt(a, n, to) => {
+                        when!(!compare_int!(self, r!(a), n, "a comparison", <), skip, to)
+                    }
+                    Op::JumpUnlessLessEqInt(a, n, to) => {
+                        when!(!compare_int!(self, r!(a), n, "a comparison", <=), skip, to)
+                    }
+                    Op::JumpUnlessGreaterInt(a, n, to) => {
+                        when!(!compare_int!(self, r!(a), n, "a comparison", >), skip, to)
+                    }
+                    Op::JumpUnlessGreaterEqInt(a, n, to) => {
+                        when!(!compare_int!(self, r!(a), n, "a comparison", >=), skip, to)
+                    }
+                    Op::JumpUnlessNumEqInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "`=`", ==), skip, to),
+                    Op::JumpUnlessNumDifferInt(a, n, to) => when!(!compare_int!(self, r!(a), n, "`/=`", !=), skip, to),
+                    Op::JumpIfLess(a, b, to) => when!(compare!(self, r!(a), r!(b), "a comparison", <), back, to),
+                    Op::JumpIfLessEq(a, b, to) => when!(compare!(self, r!(a), r!(b), "a comparison", <=), back, to),
+                    Op::JumpIfLessInt(a, n, to) => when!(compare_int!(self, r!(a), n, "a comparison", <), back, to),
+                    Op::JumpIfLessEqInt(a, n, to) => when!(compare_int!(self, r!(a), n, "a comparison", <=), back, to),
+                    Op::JumpIfGreaterInt(a, n, to) => when!(compare_int!(self, r!(a), n, "a comparison", >), back, to),
+                    Op::JumpIfGreaterEqInt(a, n, to) => {
+                        when!(compare_int!(self, r!(a), n, "a comparison", >=), back, to)
+                    }
                     Op::Call(first, count, global) => {
                         burn!();
                         if let Value::Function(number) = self.globals[global as usize]
@@ -647,7 +660,7 @@ impl Machine {
                             && callee.kind != CodeKind::Plan
                         {
                             let (first, count) = (usize::from(first), usize::from(count));
-                            r.copy_within(first..first + count, 0);
+                            move_down(r, first, count);
                             clear!(callee, 0, count);
                             begin!(callee, number, base);
                             next!();
@@ -689,6 +702,14 @@ impl Machine {
                             self.heap.closure(number, captured).copied()
                         };
                         collect_in_frame!();
+                    }
+                    Op::SetCaptured(closure, position, value) => {
+                        if let Value::Closure(closure) = r!(closure)
+                            && let Some(captured) = self.heap.closures[closure].captured.get_mut(usize::from(position))
+                        {
+                            *captured = r!(value);
+                        }
+                        next!();
                     }
                     Op::Return(a) => {
                         if self.scratch.frames.len() > entry
