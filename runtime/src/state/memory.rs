@@ -11,7 +11,7 @@ use crate::state::valve::{Below, Link, Waiter};
 use crate::state::valve_line::ValveLine;
 
 /// Collections come at least so many bytes apart, where there is room.
-pub const MIN_THRESHOLD: usize = 8 << 20;
+pub const MIN_THRESHOLD: usize = 4 << 20;
 
 /// Bytes of a new task, its registers not counted.
 pub(crate) const TASK: usize = size_of::<Option<Task>>() + size_of::<u32>();

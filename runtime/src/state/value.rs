@@ -111,6 +111,16 @@ impl Value {
         assign!(*self, *from);
     }
 
+    /// Whether it is the very same as another: `==`, where what is mostly compared is seen by the compiler.
+    #[inline(always)]
+    pub(crate) fn is_eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Value::Symbol(own), Value::Symbol(other)) => own == other,
+            (Value::Symbol(_), _) | (_, Value::Symbol(_)) => false,
+            (own, other) => own == other,
+        }
+    }
+
     /// Whether it counts as true: everything but `nil`.
     #[inline]
     pub fn is_true(self) -> bool {

@@ -452,7 +452,7 @@ impl Machine {
                         next!();
                     }
                     Op::Eq(a, b, c) => {
-                        r!(a) = Value::truth(r!(b) == r!(c));
+                        r!(a) = Value::truth(r!(b).is_eq(&r!(c)));
                         next!();
                     }
                     Op::Mod(a, b, c) => match (&r!(b), &r!(c)) {
@@ -576,7 +576,7 @@ impl Machine {
                     }
                     Op::JumpUnlessNumEq(a, b, to) => when!(!compare!(self, r!(a), r!(b), "`=`", ==), skip, to),
                     Op::JumpUnlessNumDiffer(a, b, to) => when!(!compare!(self, r!(a), r!(b), "`/=`", !=), skip, to),
-                    Op::JumpUnlessEq(a, b, to) => when!(r!(a) != r!(b), skip, to),
+                    Op::JumpUnlessEq(a, b, to) => when!(!r!(a).is_eq(&r!(b)), skip, to),
                     Op::JumpUnlessLessInt(a, n, to) => {
                         when!(!compare_int!(self, r!(a), n, "a comparison", <), skip, to)
                     }
