@@ -1,10 +1,11 @@
 //! Tokens to syntax, with recovery: a tree always results, and every independent error is told.
 
+use crate::bars::read_name;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
 use crate::source::{LINE_ENDS, SourceId, Span};
-use crate::symbol::{Symbols, fold_name};
+use crate::symbol::Symbols;
 use crate::syntax::{NodeId, NodeKind, Tree};
 use chumsky::error::{Error, LabelError};
 use chumsky::input::{Input, InputRef, MapExtra, MappedInput};
@@ -182,10 +183,10 @@ impl TreeBuilder<'_> {
         let kind = match token {
             Token::Int(value) => NodeKind::Int(value),
             Token::Float(value) => NodeKind::Float(value),
-            Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1]).0.into()),
-            Token::Keyword => NodeKind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
+            Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1], '"').0.into()),
+            Token::Keyword => NodeKind::Keyword(self.symbols.intern(&read_name(&text[1..]))),
             Token::Symbol => {
-                let written = self.symbols.intern(&fold_name(text));
+                let written = self.symbols.intern(&read_name(text));
                 NodeKind::of_symbol(self.symbols, written)
             }
             _ => NodeKind::Hole,
