@@ -3,7 +3,7 @@
 use crate::lexer::{Token, lex, unescape};
 use crate::number::begins_like_number;
 use crate::source::SourceId;
-use crate::symbol::{fold_name, is_uninterned};
+use crate::symbol::{base_name, fold_name, is_uninterned};
 use crate::visible::{delimited, is_invisible, visible};
 use std::borrow::Cow;
 
@@ -43,6 +43,11 @@ pub fn only_symbol(text: &str) -> Option<Cow<'_, str>> {
         }
         _ => None,
     }
+}
+
+/// Whether the text of a [`Token::Symbol`] at the head of a list says that the list defines something.
+pub fn begins_definition(head: &str) -> bool {
+    base_name(&read_name(head)).starts_with("def")
 }
 
 /// Whether the name, as it is, is read as the symbol of this name.

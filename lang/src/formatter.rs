@@ -16,7 +16,7 @@ use crate::lexer::{Prefix, lex};
 use crate::reader::read;
 use crate::source::SourceId;
 use crate::stack::deep;
-use crate::symbol::Symbols;
+use crate::symbol::{Symbols, base_name};
 use crate::syntax::Tree;
 use concrete::{Concrete, ConcreteKind, ConcreteNode, DatumMark};
 use lines::Lines;
@@ -71,7 +71,7 @@ fn bodies(concrete: &Concrete<'_>) -> BTreeMap<String, usize> {
     for form in concrete.data(concrete.root()) {
         let mut items = concrete.data(form);
         let head = items.next().map(|head| concrete.text(head));
-        if head.is_some_and(|head| head.eq_ignore_ascii_case("defmacro"))
+        if head.is_some_and(|head| base_name(&read_name(head)) == "defmacro")
             && let (Some(name), Some(parameters)) = (items.next(), items.next())
             && let Some(before) = parameters_before_body(concrete, parameters)
         {
@@ -243,7 +243,7 @@ impl<'a> Formatter<'a> {
             items,
         };
         // `(loop while E` is one line.
-        if list.head.as_deref() == Some("loop") && self.is_label(&list, 1) {
+        if list.head.as_deref().map(base_name) == Some("loop") && self.is_label(&list, 1) {
             list.on_first_line = 3;
         }
         list

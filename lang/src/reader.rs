@@ -1,6 +1,6 @@
 //! Tokens to syntax, with recovery: a tree always results, and every independent error is told.
 
-use crate::bars::read_name;
+use crate::bars::{begins_definition, read_name};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
@@ -129,8 +129,7 @@ fn is_first_in_line(text: &str, span: Span) -> bool {
 }
 
 fn is_definition(text: &str, head: Option<&(Token, Span)>) -> bool {
-    let Some(&(Token::Symbol, span)) = head else { return false };
-    text.as_bytes()[span.start as usize..].get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"def"))
+    matches!(head, Some(&(Token::Symbol, span)) if begins_definition(&text[span.start as usize..span.end as usize]))
 }
 
 fn too_deep_error(span: Span) -> Diagnostic {
