@@ -230,6 +230,23 @@ fn a_function_with_the_name_of_a_macro_is_meant_above_its_definition_too() {
 
 /// r[eval.marks]
 #[test]
+/// r[fluent.position]
+#[test]
+fn a_name_that_gives_a_fluent_means_what_is_bound() {
+    check(&[
+        ("(def-fluent f 3) (let ((status (lambda (x) (> x 2)))) (wait-for (status f)))", "t"),
+        ("(def-fluent f 3) (flet ((changed (x) (> x 2))) (wait-for (changed f)))", "t"),
+        ("(def-fluent f 3) (let ((fluent (lambda (x) (> x 2)))) (wait-for (fluent f)))", "t"),
+        ("(def-fluent f 3) (defun result (x) (list x)) (wait-for (result f))", "(3)"),
+        ("(def-fluent f 3) (defmacro end-task (x) `(> ,x 2)) (wait-for (end-task f))", "t"),
+        ("(par (:tag w (wait-time 1)) (let ((status 1)) (wait-for (library:end-task w)) (now)))", "1.0"),
+        (
+            "(par (:tag w (wait-time 1)) (let ((end-task 1)) (wait-for (global:end-task w)) (list end-task (now))))",
+            "(1 1.0)",
+        ),
+    ]);
+}
+
 fn what_marks_stand_for_cannot_be_bound() {
     check_failures(&[
         ("(let ((quote 1)) 'a)", "`quote` is what `'` stands for, and cannot be bound or defined"),
