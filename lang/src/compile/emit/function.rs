@@ -27,6 +27,7 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         constructs: Vec::new(),
         handlers: Vec::new(),
         locals: Vec::new(),
+        open_locals: Vec::new(),
         kind: function.kind,
         literals: BTreeMap::new(),
     };
