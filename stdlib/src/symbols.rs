@@ -32,7 +32,7 @@ fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
 }
 
 /// A symbol that may be new: names count as what is made.
-fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> Symbol {
+pub(super) fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> Symbol {
     let before = call.machine.symbols.bytes();
     let symbol = name(&mut call.machine.symbols);
     call.machine.heap.allocated += call.machine.symbols.bytes() - before;
