@@ -1,11 +1,12 @@
 //! What is known of a text that was looked at as a whole: the findings of `rpl check`, and what each name means.
 
 use crate::surroundings::Setting;
+use rpl_lang::bars::read_name;
 use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::{DefinedKind, Loader};
 use rpl_lang::occurrences::{Occurrence, Target, occurrences};
 use rpl_lang::source::{SourceId, Span};
-use rpl_lang::symbol::fold_name;
+use rpl_lang::symbol::{Qualifier, base_name};
 use rpl_mission::reference::{NameKind, signature};
 use rpl_runtime::run::library::Examined;
 use std::cell::OnceCell;
@@ -72,9 +73,9 @@ impl Analysis {
     pub fn at(&self, byte: usize) -> Option<&Occurrence> {
         let source = self.examined.source;
         let all = self.occurrences();
-        let after = all.partition_point(|one| (one.span.source, one.span.start as usize) <= (source, byte));
+        let after = all.partition_point(|one| (one.whole.source, one.whole.start as usize) <= (source, byte));
         let found = all.get(after.checked_sub(1)?)?;
-        (found.span.source == source && byte <= found.span.end as usize).then_some(found)
+        (found.whole.source == source && byte <= found.whole.end as usize).then_some(found)
     }
 
     /// All occurrences with a target.
@@ -106,11 +107,14 @@ impl Analysis {
         Some(&program.globals[*number as usize].kind)
     }
 
-    /// What is said of a name that the texts or the language define.
+    /// What is said of a name, as it is written, that the texts or the language define.
     pub fn describe(&self, name: &str) -> Option<Description> {
-        let name = fold_name(name);
-        self.own(&name).or_else(|| {
-            let entry = self.setting.reference.find(&name).filter(|entry| entry.kind != NameKind::Command)?;
+        let name = read_name(name);
+        let qualifier = Qualifier::split(&name).map(|(qualifier, _)| qualifier);
+        let name = base_name(&name);
+        let own = || self.own(name).filter(|_| qualifier != Some(Qualifier::Library));
+        own().or_else(|| {
+            let entry = self.setting.reference.find(name).filter(|entry| entry.kind != NameKind::Command)?;
             let (signature, doc) = (entry.signature.clone(), entry.doc.clone());
             Some(Description { word: entry.kind.word(), signature, doc, example: entry.example })
         })

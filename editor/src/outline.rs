@@ -1,6 +1,7 @@
 //! The shape of a text by its tokens alone: which list a place is in, how far lists reach, where the forms stand. It is
 //! there while the text is typed and cannot be read.
 
+use rpl_lang::bars::begins_definition;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::source::{LINE_ENDS, SourceId};
 use std::ops::Range;
@@ -147,7 +148,7 @@ fn is_word(token: Token) -> bool {
 
 fn is_definition(text: &str, head: Option<&Lexeme>) -> bool {
     let Some(head) = head.filter(|head| head.token == Token::Symbol) else { return false };
-    text.as_bytes()[head.start..].get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"def"))
+    begins_definition(&text[head.start..head.end])
 }
 
 #[cfg(test)]

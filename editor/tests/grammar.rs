@@ -67,19 +67,19 @@ fn grammar(reference: &Reference) -> Value {
         "name": "RPL",
         "scopeName": "source.rpl",
         "fileTypes": ["rpl"],
-        "patterns": include(&["comments", "strings", "quoted", "prefixes", "atoms", "forms", "names"]),
+        "patterns": include(&["comments", "strings", "bars", "quoted", "prefixes", "atoms", "forms", "names"]),
         "repository": {
             "comments": { "patterns": [
                 { "match": ";.*$", "name": "comment.line.semicolon.rpl" },
                 { "include": "#block-comment" },
-                list(r"#;\s*\(", "comment.block.datum.rpl", &["comments", "strings", "commented-list"]),
+                list(r"#;\s*\(", "comment.block.datum.rpl", &["comments", "strings", "bars", "commented-list"]),
                 { "match": format!("#;\\s*{NAME}+"), "name": "comment.block.datum.rpl" },
             ] },
             "block-comment": {
                 "begin": r"#\|", "end": r"\|#", "name": "comment.block.rpl",
                 "patterns": include(&["block-comment"]),
             },
-            "commented-list": list(r"\(", "comment.block.datum.rpl", &["comments", "strings", "commented-list"]),
+            "commented-list": list(r"\(", "comment.block.datum.rpl", &["comments", "strings", "bars", "commented-list"]),
             "strings": {
                 "begin": "\"", "end": "\"", "name": "string.quoted.double.rpl",
                 "patterns": [
@@ -88,8 +88,9 @@ fn grammar(reference: &Reference) -> Value {
                     { "match": r"~[0-9,]*[a-zA-Z%~]", "name": "constant.other.placeholder.rpl" },
                 ],
             },
+            "bars": { "match": r":?\|(?:[^|\\]|\\.)*\|", "name": "variable.other.bars.rpl" },
             "quoted": { "patterns": [
-                list(r"(?<!#)'\(", "meta.quoted.rpl", &["comments", "strings", "prefixes", "atoms", "quoted-list", "symbols"]),
+                list(r"(?<!#)'\(", "meta.quoted.rpl", &["comments", "strings", "bars", "prefixes", "atoms", "quoted-list", "symbols"]),
                 {
                     "match": format!(r"(?<!#)(')({NAME}+)"),
                     "captures": {
@@ -99,7 +100,7 @@ fn grammar(reference: &Reference) -> Value {
                 },
             ] },
             "quoted-list":
-                list(r"\(", "meta.quoted.rpl", &["comments", "strings", "prefixes", "atoms", "quoted-list", "symbols"]),
+                list(r"\(", "meta.quoted.rpl", &["comments", "strings", "bars", "prefixes", "atoms", "quoted-list", "symbols"]),
             "symbols": { "match": format!("{NAME}+"), "name": "constant.other.symbol.rpl" },
             "prefixes": { "match": "#'|#(?=\\()|,@|['`,]", "name": "keyword.operator.quote.rpl" },
             "atoms": { "patterns": [

@@ -1,10 +1,10 @@
 //! Where the next line of an unfinished text begins, for an editor that asks for it.
 
+use crate::bars::read_name;
 use crate::indentation::layout_of;
 use crate::layout::{ItemShape, Layout};
 use crate::lexer::{Prefix, Token, lex};
 use crate::source::SourceId;
-use crate::symbol::fold_name;
 
 /// The column in which the next line of a text begins: where the formatter would leave it. None at
 /// top level, and within a string or a comment, where every space is the author's.
@@ -68,7 +68,7 @@ fn begin_item(open: &mut [OpenForm], text: &str, start: usize, end: usize, is_na
     let at = list.items;
     list.items += 1;
     if at == 0 && is_name {
-        list.head = Some(fold_name(&text[start..end]).into_owned());
+        list.head = Some(read_name(&text[start..end]).into_owned());
     }
     if at == 1 && !text[list.start..start].contains('\n') {
         list.argument = Some(column(text, start));

@@ -8,6 +8,7 @@
 mod concrete;
 mod lines;
 
+use crate::bars::read_name;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::indentation::{aligns, is_label, layout_of};
 use crate::layout::{ItemShape, Layout, Style, WIDTH};
@@ -15,8 +16,7 @@ use crate::lexer::{Prefix, lex};
 use crate::reader::read;
 use crate::source::SourceId;
 use crate::stack::deep;
-use crate::symbol::Symbols;
-use crate::symbol::fold_name;
+use crate::symbol::{Symbols, base_name};
 use crate::syntax::Tree;
 use concrete::{Concrete, ConcreteKind, ConcreteNode, DatumMark};
 use lines::Lines;
@@ -71,18 +71,18 @@ fn bodies(concrete: &Concrete<'_>) -> BTreeMap<String, usize> {
     for form in concrete.data(concrete.root()) {
         let mut items = concrete.data(form);
         let head = items.next().map(|head| concrete.text(head));
-        if head.is_some_and(|head| head.eq_ignore_ascii_case("defmacro"))
+        if head.is_some_and(|head| base_name(&read_name(head)) == "defmacro")
             && let (Some(name), Some(parameters)) = (items.next(), items.next())
             && let Some(before) = parameters_before_body(concrete, parameters)
         {
-            bodies.insert(fold_name(concrete.text(name)).into_owned(), before);
+            bodies.insert(read_name(concrete.text(name)).into_owned(), before);
         }
     }
     bodies
 }
 
 fn parameters_before_body(concrete: &Concrete<'_>, parameters: &ConcreteNode) -> Option<usize> {
-    let words: Vec<_> = concrete.data(parameters).map(|node| fold_name(concrete.text(node))).collect();
+    let words: Vec<_> = concrete.data(parameters).map(|node| read_name(concrete.text(node))).collect();
     let at = words.iter().position(|word| matches!(word.as_ref(), "&body" | "&rest"))?;
     let takes_body = words[at] == "&body" || matches!(words.get(at + 1)?.as_ref(), "body" | "forms");
     takes_body.then(|| words[..at].iter().filter(|word| !word.starts_with('&')).count())
@@ -206,7 +206,7 @@ impl<'a> Formatter<'a> {
     }
 
     fn is_label(&self, list: &OpenList<'_>, at: usize) -> bool {
-        let word = list.items.get(at).map(|item| fold_name(self.concrete.text(item)));
+        let word = list.items.get(at).map(|item| read_name(self.concrete.text(item)));
         word.is_some_and(|word| is_label(list.head.as_deref(), &word))
     }
 
@@ -220,10 +220,12 @@ impl<'a> Formatter<'a> {
     fn open(&self, node: &'a ConcreteNode, shape: ItemShape, closers: usize) -> OpenList<'a> {
         let items: Vec<&ConcreteNode> = self.concrete.data(node).collect();
         let column = self.lines.column();
-        let head = items.first().filter(|head| head.piece == ConcreteKind::Atom).map(|head| self.concrete.text(head));
-        let head = head.filter(|head| !head.starts_with('"')).map(|head| fold_name(head).into_owned());
+        let written =
+            items.first().filter(|head| head.piece == ConcreteKind::Atom).map(|head| self.concrete.text(head));
+        let written = written.filter(|head| !head.starts_with('"'));
+        let head = written.map(|head| read_name(head).into_owned());
         let layout = layout_of(head.as_deref(), shape, |head| self.bodies.get(head).copied());
-        let argument_column = column + 2 + head.as_deref().map_or(0, |head| head.chars().count());
+        let argument_column = column + 2 + written.map_or(0, |head| head.chars().count());
         let on_first_line = match layout.style {
             Style::Body(distinguished) => 1 + distinguished,
             Style::Call if aligns(argument_column, WIDTH) => 2,
@@ -241,7 +243,7 @@ impl<'a> Formatter<'a> {
             items,
         };
         // `(loop while E` is one line.
-        if list.head.as_deref() == Some("loop") && self.is_label(&list, 1) {
+        if list.head.as_deref().map(base_name) == Some("loop") && self.is_label(&list, 1) {
             list.on_first_line = 3;
         }
         list

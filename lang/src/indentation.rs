@@ -8,7 +8,7 @@ use crate::compile::special_forms;
 use crate::layout::ItemShape::{self, Binding, Bindings, Clause, Data, Form, Handlers};
 use crate::layout::Layout;
 use crate::layout::Style::{self, Body, Call, Forms};
-use crate::symbol::base_name;
+use crate::symbol::{Qualifier, base_name};
 
 /// The macros of the library that are not laid out like a call, in the order of their names.
 const MACROS: &[(&str, Layout)] = &[
@@ -56,7 +56,12 @@ pub fn layout_of(head: Option<&str>, shape: ItemShape, body_of: impl Fn(&str) ->
     const DATA: Layout = Layout::plain(Style::Data);
     let known = || {
         let head = head?;
-        body_of(head).map(|before| Layout::plain(Style::Body(before))).or_else(|| layout(head))
+        let own = match Qualifier::split(head) {
+            Some((Qualifier::Library, _)) => None,
+            Some((Qualifier::Global, name)) => body_of(name),
+            None => body_of(head),
+        };
+        own.map(|before| Layout::plain(Style::Body(before))).or_else(|| layout(head))
     };
     match shape {
         ItemShape::Data => Layout { rest: ItemShape::Data, ..DATA },

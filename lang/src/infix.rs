@@ -1,8 +1,8 @@
 //! Operators that stand between their operands, as other languages write them: `(battery < 20)`.
 
+use crate::bars::read_name;
 use crate::lexer::{Token, lex};
 use crate::source::{Sources, Span};
-use crate::symbol::fold_name;
 
 /// What is written between operands elsewhere.
 const OPERATORS: &[&str] = &["<", "<=", ">", ">=", "=", "/=", "+", "-", "*", "/", "eq", "equal", "mod"];
@@ -72,7 +72,7 @@ pub(crate) fn infix_in(sources: &Sources, form: Span, behind_items: u32) -> Opti
 /// The operator at a place among the tokens, if it stands between two operands.
 pub(crate) fn infix_at(sources: &Sources, tokens: &[(Token, Span)], at: usize) -> Option<Infix> {
     let span = tokens[at].1;
-    let operator = fold_name(sources.text_of(span)).into_owned();
+    let operator = read_name(sources.text_of(span)).into_owned();
     if tokens[at].0 != Token::Symbol || !is_operator(&operator) {
         return None;
     }

@@ -3,9 +3,11 @@
 //! Every byte but white space lies in some token, comments included, so that a highlighter can use
 //! the same tokens; [`crate::reader`] skips the comments.
 
+use crate::bars::{BAR, is_of_word};
 use crate::diagnostic::Diagnostic;
 use crate::number::{NumberLiteral, begins_like_number, parse_number};
-use crate::source::{BYTE_ORDER_MARK, SourceId, Span, holds_code};
+use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Span, holds_code};
+use crate::symbol::is_uninterned;
 use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
 
@@ -50,10 +52,11 @@ pub enum Token {
     /// A string with its quotes; see [`unescape`].
     #[token("\"", string)]
     Str,
-    /// A name.
+    /// A name; see [`crate::bars::read_name`].
     // Every atom is one regular expression, told apart afterwards; with one for each kind the
     // automaton would read `1+` as two atoms.
     #[regex(r##"[^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|#][^\p{White_Space}\x00-\x1f\x7f()'`,";\[\]{}|]*"##, atom)]
+    #[token("|", |lexer| between_bars(lexer, Token::Symbol))]
     Symbol,
     /// A name after a colon.
     Keyword,
@@ -132,6 +135,7 @@ pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>
     let mut found = lexer.extras.found;
     found.extend(invalid.map(|run| invalid_characters(text, run)));
     found.extend(reordered(text, &tokens));
+    found.extend(joined(text, &tokens));
     found.sort_by_key(|diagnostic| diagnostic.span.start);
     (tokens, found)
 }
@@ -165,13 +169,16 @@ fn span_of(lexer: &Lexer<'_>) -> Span {
 fn invalid_characters(text: &str, run: Span) -> Diagnostic {
     let run_text = &text[run.start as usize..run.end as usize];
     let first = run_text.chars().next().unwrap_or(' ');
-    let (shown, help) = match first {
-        '[' | ']' | '{' | '}' => (format!("`{first}`"), "lists are written with `(` and `)`"),
-        '|' => ("`|`".to_string(), "a block comment is written `#| … |#`"),
-        _ => return invisible_character(first, run),
-    };
-    Diagnostic::error("invalid-character", run, format!("{shown} has no meaning here"), "not part of the language")
-        .help(help)
+    match first {
+        '[' | ']' | '{' | '}' => Diagnostic::error(
+            "invalid-character",
+            run,
+            format!("`{first}` has no meaning here"),
+            "not part of the language",
+        )
+        .help("lists are written with `(` and `)`"),
+        _ => invisible_character(first, run),
+    }
 }
 
 /// A character nobody sees, where it would make one name look like another, or a name like a space.
@@ -211,6 +218,25 @@ fn reordered(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
     found
 }
 
+/// Words and names between bars that touch: elsewhere a bar in the midst of a name is a part of it.
+fn joined(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
+    if !text.contains(BAR) {
+        return Vec::new();
+    }
+    let is_word =
+        |token| matches!(token, Token::Symbol | Token::Keyword | Token::Int(_) | Token::Float(_) | Token::Dot);
+    let touching = tokens.windows(2).filter_map(|pair| match *pair {
+        [(left, before), (right, span)] if before.end == span.start && is_word(left) && is_word(right) => Some(span),
+        _ => None,
+    });
+    let told = touching.map(|span| {
+        let place = Span { end: span.start + 1, ..span };
+        Diagnostic::error("joined-name", place, "two names touch", "the second one begins here")
+            .help("put one name wholly between bars: `|two words|`; or put a space between two names")
+    });
+    told.collect()
+}
+
 fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     let text = lexer.slice();
     if let Some((at, character)) = text.char_indices().find(|&(_, character)| is_invisible(character)) {
@@ -222,6 +248,10 @@ fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     }
     let token = match text {
         "." => Token::Dot,
+        ":" if lexer.remainder().starts_with(BAR) => {
+            lexer.bump(BAR.len_utf8());
+            return between_bars(lexer, Token::Keyword);
+        }
         ":" => {
             let error = Diagnostic::error("lone-colon", span_of(lexer), "a colon without a name", "no keyword")
                 .help("a keyword is written `:name`, without a space");
@@ -271,36 +301,90 @@ fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
 }
 
 fn string(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
-    let Some(body_len) = string_len(lexer.remainder()) else { return FilterResult::Emit(unterminated_string(lexer)) };
+    let quote = '"';
+    let Some(body_len) = body_len(lexer.remainder(), quote) else {
+        return FilterResult::Emit(unterminated_string(lexer));
+    };
     let body = &lexer.remainder()[..body_len];
-    let body_start = lexer.span().end as u32;
-    let source = lexer.extras.source;
-    if body.contains('\\') {
-        let (_, faults) = unescape(body);
-        lexer.extras.found.extend(faults.into_iter().map(|(start, end, what)| {
-            let span = Span { source, start: body_start + start as u32, end: body_start + end as u32 };
-            Diagnostic::error("bad-escape", span, what, "unknown escape")
-                .help("the escapes are \\n \\t \\r \\0 \\\\ \\\" and \\u{…} with up to six hexadecimal digits")
-        }));
-    }
-    lexer.bump(body_len + 1);
+    tell_bad_escapes(lexer, body, quote);
+    lexer.bump(body_len + quote.len_utf8());
     if holds_code(body) && lexer.extras.suspect.is_none() {
         lexer.extras.suspect = Some(span_of(lexer));
     }
     FilterResult::Emit(Token::Str)
 }
 
-/// Bytes before the closing quote.
-fn string_len(body: &str) -> Option<usize> {
+/// Tells the escapes that are none in a body that begins where the lexer stands.
+fn tell_bad_escapes(lexer: &mut Lexer<'_>, body: &str, delimiter: char) {
+    if !body.contains('\\') {
+        return;
+    }
+    let start = lexer.span().end;
+    let help =
+        format!("the escapes are \\n \\t \\r \\0 \\\\ \\{delimiter} and \\u{{…}} with up to six hexadecimal digits");
+    for (from, to, message) in unescape(body, delimiter).1 {
+        let span = part_of(lexer, start + from, start + to);
+        lexer.extras.found.push(Diagnostic::error("bad-escape", span, message, "unknown escape").help(help.as_str()));
+    }
+}
+
+fn part_of(lexer: &Lexer<'_>, start: usize, end: usize) -> Span {
+    Span { source: lexer.extras.source, start: start as u32, end: end as u32 }
+}
+
+/// Bytes before the closing delimiter.
+fn body_len(body: &str, delimiter: char) -> Option<usize> {
     let bytes = body.as_bytes();
     let mut at = 0;
     loop {
-        match bytes.get(at)? {
-            b'"' => return Some(at),
+        match *bytes.get(at)? {
             b'\\' => at += 2,
+            byte if char::from(byte) == delimiter => return Some(at),
             _ => at += 1,
         }
     }
+}
+
+/// A name between bars, the first of which is taken. It ends in its line, so that a bar that is missing spoils no more.
+fn between_bars(lexer: &mut Lexer<'_>, token: Token) -> FilterResult<Token, ()> {
+    let rest = lexer.remainder();
+    let line = rest.split(LINE_ENDS).next().unwrap_or(rest);
+    let Some(body_len) = body_len(line, BAR) else { return FilterResult::Emit(unterminated_name(lexer)) };
+    let body = &rest[..body_len];
+    let faults_before = lexer.extras.found.len();
+    tell_bad_escapes(lexer, body, BAR);
+    let start = lexer.span().end;
+    if let Some((at, character)) = body.char_indices().find(|&(_, character)| is_invisible(character)) {
+        let place = part_of(lexer, start + at, start + at + character.len_utf8());
+        let message = format!("here stands {}, which cannot be seen", named(character));
+        let error = Diagnostic::error("invisible-character", place, message, "not seen in the name")
+            .help(format!("write `{}`, or leave it out", visible(character.encode_utf8(&mut [0; 4]))));
+        lexer.extras.found.push(error);
+    }
+    if token == Token::Symbol && is_uninterned(&unescape(body, BAR).0) {
+        let message = "a name that begins with `#:` is one made by `gensym`, which cannot be read";
+        let error = Diagnostic::error("unknown-hash", part_of(lexer, start, start + body_len), message, "no name")
+            .help("no text can name it; give it a name of your own");
+        lexer.extras.found.push(error);
+    }
+    lexer.bump(body_len + BAR.len_utf8());
+    let is_right = lexer.extras.found.len() == faults_before;
+    FilterResult::Emit(if is_right { token } else { Token::Error })
+}
+
+/// Takes no more than the word that stands behind the bar.
+fn unterminated_name(lexer: &mut Lexer<'_>) -> Token {
+    let place = span_of(lexer);
+    let error = Diagnostic::error("unterminated-name", place, "this name is never closed", "the name begins here")
+        .help(
+            "close it with `|` in the same line; inside a name write `\\|`, and `\\n` for the end of a line. \
+         A block comment is written `#| … |#`",
+        );
+    lexer.extras.found.push(error);
+    let rest = lexer.remainder();
+    let word = rest.find(|character| !is_of_word(character)).unwrap_or(rest.len());
+    lexer.bump(word);
+    Token::Error
 }
 
 fn unterminated_string(lexer: &mut Lexer<'_>) -> Token {
@@ -354,17 +438,17 @@ fn unterminated_comment(lexer: &mut Lexer<'_>, depth: usize) -> Token {
 /// An escape that is none: its bytes `start..end` in the body, and what is wrong.
 pub type EscapeFault = (usize, usize, String);
 
-/// The string a body (the text between the quotes) stands for: a line end of any kind is a line feed,
+/// The string a body (the text between two delimiters: the quotes of a string, the bars of a name) stands for: a line end of any kind is a line feed,
 /// so that a plan does not depend on how its file was copied. An unknown escape stands for itself and
 /// is told beside.
-pub fn unescape(body: &str) -> (String, Vec<EscapeFault>) {
+pub fn unescape(body: &str, delimiter: char) -> (String, Vec<EscapeFault>) {
     let mut value = String::with_capacity(body.len());
     let mut faults = Vec::new();
     let mut rest = body;
     while let Some(at) = rest.find('\\') {
         push_with_line_feeds(&mut value, &rest[..at]);
         let escape = &rest[at..];
-        let (character, len) = match unescape_one(escape) {
+        let (character, len) = match unescape_one(escape, delimiter) {
             Ok((character, len)) => (character, len),
             Err((len, what)) => {
                 let start = body.len() - escape.len();
@@ -392,14 +476,14 @@ fn push_with_line_feeds(value: &mut String, text: &str) {
 
 /// The character of an escape and its length in bytes; a line's end after a backslash stands for
 /// nothing, so that a long string can be broken.
-fn unescape_one(escape: &str) -> Result<(Option<char>, usize), (usize, String)> {
+fn unescape_one(escape: &str, delimiter: char) -> Result<(Option<char>, usize), (usize, String)> {
     let character = match escape[1..].chars().next() {
         Some('n') => '\n',
         Some('t') => '\t',
         Some('r') => '\r',
         Some('0') => '\0',
         Some('\\') => '\\',
-        Some('"') => '"',
+        Some(character) if character == delimiter => character,
         Some('\r') if escape[2..].starts_with('\n') => return Ok((None, 3)),
         Some('\n' | '\r') => return Ok((None, 2)),
         Some('u') => return unescape_unicode(escape),

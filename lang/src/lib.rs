@@ -8,9 +8,10 @@
 //! It knows no task, no robot, no file and no clock, and runs nothing: macros are run by the crate above,
 //! through [`compile::MacroHost`].
 //!
-//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`reader`],
+//! Read in this order: [`source`], [`symbol`], [`syntax`], [`diagnostic`], [`lexer`], [`bars`], [`reader`],
 //! [`code`], [`compile`] with its special forms (`compile/forms`), [`check`], [`occurrences`], [`layout`], [`formatter`].
 
+pub mod bars;
 pub mod continuation;
 pub mod diagnostic;
 pub mod formatter;

@@ -1,9 +1,9 @@
 //! Where names stand in the text of a form. What a macro has copied has the place of the whole call; the
 //! name in it is looked for.
 
+use crate::bars::read_name;
 use crate::lexer::{Token, lex};
 use crate::source::{Sources, Span};
-use crate::symbol::fold_name;
 use std::collections::BTreeMap;
 
 /// Where a name, folded, first stands in the text of the span. Cost: linear in the span.
@@ -28,7 +28,7 @@ impl NamePlaces {
             let (tokens, _) = lex(sources.text_of(within), within.source);
             for (_, span) in tokens.into_iter().filter(|(token, _)| *token == Token::Symbol) {
                 let span = Span { start: within.start + span.start, end: within.start + span.end, ..within };
-                self.first.entry(fold_name(sources.text_of(span)).into_owned()).or_insert(span);
+                self.first.entry(read_name(sources.text_of(span)).into_owned()).or_insert(span);
             }
         }
         self.first.get(name).copied()

@@ -5,6 +5,7 @@
 //! names in it are found by what the expansion reads and binds; where that does not tell which of
 //! several variables of one name is meant, the occurrence is not certain.
 
+use crate::bars::BAR;
 use crate::check::walk::each_function_form;
 use crate::code::Program;
 use crate::compile::Resolved;
@@ -12,7 +13,7 @@ use crate::compile::ir::{Callee, Function, IrKind, VarId};
 use crate::compile::resolved::Defined;
 use crate::reader::read;
 use crate::source::{SourceId, Span};
-use crate::symbol::{Symbol, Symbols};
+use crate::symbol::{Qualifier, Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind, Tree};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -35,6 +36,8 @@ pub enum Target {
 pub struct Occurrence {
     /// The name, and nothing else.
     pub span: Span,
+    /// The same with `library:` or `global:` in front of it, if it has one.
+    pub whole: Span,
     /// The name.
     pub name: Symbol,
     /// What it stands for.
@@ -56,7 +59,11 @@ struct Use {
 /// A name as it is written, outside of quoted data.
 #[derive(Clone, Copy)]
 struct WrittenName {
+    /// The name, and nothing else.
     span: Span,
+    /// The name as it is written, with its qualifier.
+    whole: Span,
+    qualifier: Option<Qualifier>,
     /// The list that it is the head of.
     heads: Option<Span>,
 }
@@ -84,10 +91,10 @@ fn written_names(source: SourceId, program: &Program, symbols: &Symbols) -> BTre
     let mut left: Vec<(NodeId, u32, Option<Span>)> = roots.iter().map(|&root| (root, 0, None)).collect();
     while let Some((node, quotes, heads)) = left.pop() {
         let span = tree.span(node);
+        if let Some((qualifier, name)) = tree.name(node).filter(|_| quotes == 0) {
+            names.entry(name).or_default().push(WrittenName::new(text, span, qualifier, heads));
+        }
         match tree.get(node).kind {
-            NodeKind::Symbol(name) if quotes == 0 => {
-                names.entry(name).or_default().push(WrittenName { span, heads });
-            }
             NodeKind::Vector { .. } if quotes > 0 => {
                 left.extend(tree.elements(node).iter().map(|&item| (item, quotes, None)));
             }
@@ -106,6 +113,16 @@ fn written_names(source: SourceId, program: &Program, symbols: &Symbols) -> BTre
     }
     names.values_mut().for_each(|places| places.sort_by_key(|written| written.span));
     names
+}
+
+impl WrittenName {
+    fn new(text: &str, whole: Span, qualifier: Option<Qualifier>, heads: Option<Span>) -> Self {
+        let span = qualifier.map_or(whole, |qualifier| {
+            let bar = if text[whole.start as usize..].starts_with(BAR) { BAR.len_utf8() as u32 } else { 0 };
+            Span { start: whole.start + bar + qualifier.prefix().len() as u32, end: whole.end - bar, ..whole }
+        });
+        Self { span, whole, qualifier, heads }
+    }
 }
 
 /// What the resolved forms say of the names of a text.
@@ -198,7 +215,8 @@ impl NameInText<'_> {
         for (written, finding) in self.written.iter().zip(findings) {
             let by_name = || Some(Finding { target: self.by_name(written)?, is_binding: false, is_certain: true });
             if let Some(Finding { target, is_binding, is_certain }) = finding.or_else(by_name) {
-                found.push(Occurrence { span: written.span, name: self.name, target, is_binding, is_certain });
+                let &WrittenName { span, whole, .. } = written;
+                found.push(Occurrence { span, whole, name: self.name, target, is_binding, is_certain });
             }
         }
     }
@@ -216,7 +234,8 @@ impl NameInText<'_> {
             taken.insert(binding.within, binding.target);
             let from = self.written.partition_point(|written| written.span.start < binding.within.start);
             let inside = (from..self.written.len()).take_while(|&at| self.written[at].span.end <= binding.within.end);
-            if let Some(at) = inside.into_iter().find(|&at| findings[at].is_none()) {
+            let can_be_bound = |&at: &usize| findings[at].is_none() && self.written[at].qualifier.is_none();
+            if let Some(at) = inside.into_iter().find(can_be_bound) {
                 findings[at] = Some(Finding { target: binding.target, is_binding: true, is_certain: true });
             }
         }
@@ -228,7 +247,7 @@ impl NameInText<'_> {
         let from = self.written.partition_point(|written| written.span.start < place.start);
         // Before the head of a list stands its parenthesis, and perhaps a comment.
         let at = self.written.get(from)?;
-        (at.span == place || at.heads == Some(place)).then_some(from)
+        (at.whole == place || at.heads == Some(place)).then_some(from)
     }
 
     /// What is written in calls of macros: what the smallest form around it that speaks of the name says.
@@ -247,21 +266,35 @@ impl NameInText<'_> {
             }
         }
         for (form, places) in groups {
+            let (qualified, plain): (Vec<usize>, Vec<usize>) =
+                places.into_iter().partition(|&at| self.written[at].qualifier.is_some());
             let targets = &apart[&form];
-            let is_certain = targets.iter().all(|target| *target == targets[0]);
-            for (number, at) in places.into_iter().enumerate() {
-                // Forms are mostly evaluated in the order in which they are written.
-                let target = targets[number.min(targets.len() - 1)];
-                findings[at] = Some(Finding { target, is_binding: false, is_certain });
-            }
+            in_order(&plain, targets, findings);
+            // With a qualifier no variable is meant, whatever is bound.
+            let globals: Vec<Target> =
+                targets.iter().copied().filter(|target| !matches!(target, Target::Local(_))).collect();
+            in_order(&qualified, &globals, findings);
         }
     }
 
     /// What a name means by itself, where no resolved form speaks of it.
     fn by_name(&self, written: &WrittenName) -> Option<Target> {
+        if written.qualifier == Some(Qualifier::Library) {
+            return None;
+        }
         if written.heads.is_some() && self.program.macros.contains_key(&self.name) {
             return Some(Target::Macro(self.name));
         }
         self.program.failure_classes.contains_key(&self.name).then_some(Target::Failure(self.name))
+    }
+}
+
+/// Gives places of a name in a form the targets that the form speaks of: it is mostly evaluated in the order in which it
+/// is written.
+fn in_order(places: &[usize], targets: &[Target], findings: &mut [Option<Finding>]) {
+    let is_certain = targets.iter().all(|target| *target == targets[0]);
+    for (number, &at) in places.iter().enumerate() {
+        let target = targets.get(number).or(targets.last());
+        findings[at] = target.map(|&target| Finding { target, is_binding: false, is_certain });
     }
 }

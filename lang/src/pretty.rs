@@ -2,6 +2,7 @@
 //!
 //! Both walk the datum with a stack of their own, so depth costs no Rust stack.
 
+use crate::bars::{written_keyword, written_name};
 use crate::indentation::{aligns, is_label, layout};
 use crate::layout::Style;
 use crate::number::format_float;
@@ -180,8 +181,9 @@ impl<'a> Printer<'a> {
         let (on_first_line, indent) = match (&head, style) {
             (_, Some(Style::Body(distinguished))) => (1 + distinguished, column + 1),
             (_, Some(Style::Forms)) => (1, column + 1),
-            (Some(head), style) if style.is_some() || !is_data => {
-                let argument = column + head.chars().count() + 1;
+            (Some(_), style) if style.is_some() || !is_data => {
+                let width = atom_text(self.tree, self.symbols, first).chars().count();
+                let argument = column + width + 1;
                 if aligns(argument, self.width) { (2, argument) } else { (1, column + 1) }
             }
             _ => (1, column),
@@ -249,8 +251,10 @@ fn marked(tree: &Tree, symbols: &Symbols, node: NodeId) -> Option<(&'static str,
 /// What an atom is written as; nothing for a list or vector.
 fn atom_text(tree: &Tree, symbols: &Symbols, node: NodeId) -> String {
     match &tree.get(node).kind {
-        NodeKind::Symbol(written) | NodeKind::Qualified { written, .. } => symbols.name(*written).to_string(),
-        NodeKind::Keyword(symbol) => format!(":{}", symbols.name(*symbol)),
+        NodeKind::Symbol(written) | NodeKind::Qualified { written, .. } => {
+            written_name(symbols.name(*written)).into_owned()
+        }
+        NodeKind::Keyword(symbol) => written_keyword(symbols.name(*symbol)),
         NodeKind::Int(value) => value.to_string(),
         NodeKind::Float(value) => format_float(*value),
         NodeKind::Str(value) => quote_string(value),

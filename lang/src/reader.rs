@@ -1,10 +1,11 @@
 //! Tokens to syntax, with recovery: a tree always results, and every independent error is told.
 
+use crate::bars::{begins_definition, read_name};
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
 use crate::source::{LINE_ENDS, SourceId, Span};
-use crate::symbol::{Symbols, fold_name};
+use crate::symbol::Symbols;
 use crate::syntax::{NodeId, NodeKind, Tree};
 use chumsky::error::{Error, LabelError};
 use chumsky::input::{Input, InputRef, MapExtra, MappedInput};
@@ -128,8 +129,7 @@ fn is_first_in_line(text: &str, span: Span) -> bool {
 }
 
 fn is_definition(text: &str, head: Option<&(Token, Span)>) -> bool {
-    let Some(&(Token::Symbol, span)) = head else { return false };
-    text.as_bytes()[span.start as usize..].get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"def"))
+    matches!(head, Some(&(Token::Symbol, span)) if begins_definition(&text[span.start as usize..span.end as usize]))
 }
 
 fn too_deep_error(span: Span) -> Diagnostic {
@@ -182,10 +182,10 @@ impl TreeBuilder<'_> {
         let kind = match token {
             Token::Int(value) => NodeKind::Int(value),
             Token::Float(value) => NodeKind::Float(value),
-            Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1]).0.into()),
-            Token::Keyword => NodeKind::Keyword(self.symbols.intern(&fold_name(&text[1..]))),
+            Token::Str => NodeKind::Str(unescape(&text[1..text.len() - 1], '"').0.into()),
+            Token::Keyword => NodeKind::Keyword(self.symbols.intern(&read_name(&text[1..]))),
             Token::Symbol => {
-                let written = self.symbols.intern(&fold_name(text));
+                let written = self.symbols.intern(&read_name(text));
                 NodeKind::of_symbol(self.symbols, written)
             }
             _ => NodeKind::Hole,

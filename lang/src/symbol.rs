@@ -100,7 +100,7 @@ impl Symbols {
 
     /// A new symbol that no text can name, printed as `#:stem12`.
     pub fn uninterned(&mut self, stem: &str) -> Symbol {
-        self.add(format!("#:{stem}{}", self.names.len()).into())
+        self.add(format!("{UNINTERNED}{stem}{}", self.names.len()).into())
     }
 
     /// The name of a symbol of this table.
@@ -134,7 +134,7 @@ impl<'de> Deserialize<'de> for Symbols {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let names = Vec::<Arc<str>>::deserialize(deserializer)?;
         let bytes = names.iter().map(|name| BYTES_A_NAME + name.len()).sum();
-        let interned = names.iter().enumerate().filter(|(_, name)| !name.starts_with("#:"));
+        let interned = names.iter().enumerate().filter(|(_, name)| !is_uninterned(name));
         let interned: Vec<(u64, Symbol)> = interned.map(|(index, name)| (hash(name), Symbol(index as u32))).collect();
         let mut symbols = Self { names, by_name: HashTable::with_capacity(interned.len()), bytes };
         interned.into_iter().for_each(|(hash, symbol)| symbols.enter(hash, symbol));
@@ -155,7 +155,15 @@ fn hash(name: &str) -> u64 {
     FixedState::default().hash_one(name.as_bytes())
 }
 
-/// The name a symbol's text stands for: lower case, and `≤ ≥ ≠` written out.
+/// What the names of uninterned symbols begin with, and no others.
+const UNINTERNED: &str = "#:";
+
+/// Whether a name is that of an uninterned symbol, which no text can name.
+pub fn is_uninterned(name: &str) -> bool {
+    name.starts_with(UNINTERNED)
+}
+
+/// The name a bare symbol's text stands for: lower case, and `≤ ≥ ≠` written out.
 pub fn fold_name(text: &str) -> Cow<'_, str> {
     if text.bytes().all(|b| b.is_ascii() && !b.is_ascii_uppercase()) {
         return Cow::Borrowed(text);

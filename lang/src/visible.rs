@@ -217,17 +217,22 @@ fn picture(character: char) -> char {
 
 /// A string as it is written, with quotes and escapes.
 pub fn quote_string(value: &str) -> String {
+    delimited(value, '"')
+}
+
+/// A text between two delimiters, with a backslash before each of them in it, and escapes for what is not seen.
+pub fn delimited(value: &str, delimiter: char) -> String {
     let mut text = String::with_capacity(value.len() + 2);
-    text.push('"');
+    text.push(delimiter);
     for character in value.chars() {
         match character {
-            '"' => text.push_str("\\\""),
             '\\' => text.push_str("\\\\"),
+            c if c == delimiter => text.extend(['\\', c]),
             c if is_invisible(c) => push_escape(&mut text, c),
             c => text.push(c),
         }
     }
-    text.push('"');
+    text.push(delimiter);
     text
 }
 

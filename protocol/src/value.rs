@@ -1,7 +1,7 @@
 //! Values in JSON: `null`, `true` and `false`, integers, numbers, texts, `{"symbol": "cup"}`, and lists of
 //! values. The same as readings of a robot, which they become.
 
-use rpl_lang::symbol::fold_name;
+use rpl_lang::bars::{only_symbol, written_name};
 use rpl_runtime::robot::reading::{MAX_NESTING, Reading, ReadingList};
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
@@ -36,7 +36,7 @@ fn said<S: Serializer>(reading: &Reading, serializer: S) -> Result<S::Ok, S::Err
         Reading::Text(text) => serializer.serialize_str(text),
         Reading::Symbol(name) => {
             let mut object = serializer.serialize_map(Some(1))?;
-            object.serialize_entry(SYMBOL, name)?;
+            object.serialize_entry(SYMBOL, &*written_name(name))?;
             object.end()
         }
         Reading::List(list) => serializer.collect_seq(list.items().iter().cloned().map(Spoken)),
@@ -104,20 +104,20 @@ impl<'de> Visitor<'de> for SpokenVisitor {
     }
 }
 
-/// The reading that a symbol's name stands for, as plans would read it.
+/// The reading that a symbol stands for, written as in plans: between bars, if it is not one word in lower case.
 ///
 /// # Errors
-/// No symbol has this name.
-pub fn symbol(name: &str) -> Result<Reading, String> {
-    match &*fold_name(name) {
-        "nil" => Ok(Reading::Truth(false)),
-        "t" => Ok(Reading::Truth(true)),
-        name if is_name(name) => Ok(Reading::Symbol(name.to_string())),
-        _ => Err(format!("{} is no name of a symbol", serde_json::Value::from(name))),
+/// It is not written so.
+pub fn symbol(written: &str) -> Result<Reading, String> {
+    match only_symbol(written).as_deref() {
+        Some("nil") => Ok(Reading::Truth(false)),
+        Some("t") => Ok(Reading::Truth(true)),
+        Some(name) => Ok(Reading::Symbol(name.to_string())),
+        None => Err(format!("{} is no name of a symbol", serde_json::Value::from(written))),
     }
 }
 
-/// Whether plans can write a name: it is read as one symbol, and as no number or keyword.
+/// Whether a name is one word: it is read as one symbol without bars, and as no number or keyword.
 pub fn is_name(name: &str) -> bool {
     let is_apart = |c: char| c.is_whitespace() || c.is_control() || "()[]{}\"'`,;|#\\".contains(c);
     !name.is_empty()
@@ -188,9 +188,18 @@ mod tests {
 
     #[test]
     fn what_is_said_is_heard_as_it_was() {
-        for text in
-            ["true", "false", "-3", "0.1", "1e300", "\"two words\"", "{\"symbol\":\"cup\"}", "[1,[2.5,[]],\"x\"]"]
-        {
+        for text in [
+            "true",
+            "false",
+            "-3",
+            "0.1",
+            "1e300",
+            "\"two words\"",
+            "{\"symbol\":\"cup\"}",
+            "{\"symbol\":\"|two words|\"}",
+            "{\"symbol\":\"|Foo|\"}",
+            "[1,[2.5,[]],\"x\"]",
+        ] {
             let spoken: Spoken = serde_json::from_str(text).expect("it is a value");
             let again: Spoken =
                 serde_json::from_str(&serde_json::to_string(&spoken).expect("it can be said")).expect("and heard");
@@ -199,6 +208,7 @@ mod tests {
         assert_eq!(heard("null"), Ok(Reading::Truth(false)));
         assert_eq!(heard("{\"symbol\":\"NIL\"}"), Ok(Reading::Truth(false)));
         assert_eq!(heard("{\"symbol\":\"Cup\"}"), Ok(Reading::Symbol("cup".into())));
+        assert_eq!(heard("{\"symbol\":\"|Two words|\"}"), Ok(Reading::Symbol("Two words".into())));
         assert_eq!(heard("9223372036854775808"), Ok(Reading::Float(9_223_372_036_854_775_808.0)));
     }
 

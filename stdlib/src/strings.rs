@@ -174,7 +174,7 @@ fn to_string(call: &mut Call<'_, '_>) -> NativeResult {
         return value(call.argument(0));
     }
     let shown = match call.argument(0) {
-        Value::Keyword(name) => call.machine.symbols.name(name).to_string(),
+        Value::Symbol(name) | Value::Keyword(name) => call.machine.symbols.name(name).to_string(),
         other => show(call, other),
     };
     text(call, &shown)

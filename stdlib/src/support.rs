@@ -4,9 +4,10 @@
 use crate::arguments::{
     NativeResult, changing, elements, list, natural, pure, room_for_pairs, text, truth, value, vector_items,
 };
+use crate::symbols::named;
 use rpl_lang::code::GlobalKind;
 use rpl_lang::kind::Kind;
-use rpl_lang::symbol::base_name;
+use rpl_lang::symbol::{Qualifier, base_name};
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use rpl_runtime::step::native::{Call, Effect, Native, NativeCode};
@@ -106,6 +107,16 @@ fn checked_function(call: &mut Call<'_, '_>) -> NativeResult {
             Err(call.machine.wrong_type(&what, Kind::Function.noun(), other))
         }
     }
+}
+
+/// A symbol without its qualifier; anything else as it is.
+fn unqualified(call: &mut Call<'_, '_>) -> NativeResult {
+    let Value::Symbol(written) = call.argument(0) else { return value(call.argument(0)) };
+    let base = match Qualifier::split(call.machine.symbols.name(written)) {
+        Some((_, base)) => base.to_string(),
+        None => return value(Value::Symbol(written)),
+    };
+    value(Value::Symbol(named(call, |symbols| symbols.intern(&base))))
 }
 
 /// Whether a symbol is, where macros are expanded, the name of a function and of no macro.
@@ -236,6 +247,7 @@ pub(super) const NATIVES: &[Native] = &[
     ),
     pure("%listed", "value", "The elements of a vector as a list, any other value as it is.", listed),
     pure("%checked-function", "value name position", "The value if it is a function, else an error.", checked_function),
+    pure("%unqualified", "value", "A symbol without its qualifier.", unqualified),
     pure("%names-function", "name", "Whether a symbol is the name of a function.", names_function),
     pure("%fitted", "value form integer integer integer values", "The list, if it fits a parameter list.", fitted),
     pure(

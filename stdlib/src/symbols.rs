@@ -1,8 +1,7 @@
 //! Symbols and keywords from names and back.
 
 use crate::arguments::{NativeResult, count, pure, text, value};
-use rpl_lang::symbol::fold_name;
-use rpl_lang::symbol::{Symbol, Symbols};
+use rpl_lang::symbol::{Symbol, Symbols, fold_name, is_uninterned};
 use rpl_lang::visible::quoted;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
@@ -22,10 +21,9 @@ fn symbol_name(call: &mut Call<'_, '_>) -> NativeResult {
 fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
     let name = call.name(0)?;
     let name = fold_name(&name);
-    // Names that begin so are those of `gensym`, which no text may reach.
-    if name.is_empty() || name.starts_with("#:") {
+    if is_uninterned(&name) {
         return Err(Raise::type_error(format!(
-            "{} must be the name of a symbol, and it is {}",
+            "{} must be the name of a symbol, not of one that `gensym` has made, and it is {}",
             call.which(0),
             quoted(&name)
         )));
@@ -34,7 +32,7 @@ fn folded(call: &mut Call<'_, '_>) -> Result<Symbol, Raise> {
 }
 
 /// A symbol that may be new: names count as what is made.
-fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> Symbol {
+pub(super) fn named(call: &mut Call<'_, '_>, name: impl FnOnce(&mut Symbols) -> Symbol) -> Symbol {
     let before = call.machine.symbols.bytes();
     let symbol = name(&mut call.machine.symbols);
     call.machine.heap.allocated += call.machine.symbols.bytes() - before;

@@ -9,10 +9,11 @@ use lsp_types::{
     CompletionItem, CompletionItemKind, CompletionList, CompletionParams, CompletionResponse, CompletionTextEdit,
     Documentation, MarkupContent, MarkupKind, TextEdit,
 };
+use rpl_lang::bars::{read_name, written_name};
 use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::DefinedKind;
 use rpl_lang::lexer::{Prefix, Token};
-use rpl_lang::symbol::fold_name;
+use rpl_lang::symbol::{Qualifier, base_name};
 use rpl_mission::reference::NameKind;
 use std::collections::BTreeMap;
 
@@ -42,7 +43,13 @@ pub(super) fn complete(session: &mut Session<'_>, params: CompletionParams) -> A
     let is_quoted = before.is_some_and(|one| one.token == Token::Prefix(Prefix::Quote) && one.end == typed.start);
     let is_keyword = document.text[typed.clone()].starts_with(':');
     let mut words = Words::new();
-    if is_keyword {
+    let typed_name = read_name(&document.text[typed.clone()]).into_owned();
+    // What is typed may be the qualifier only.
+    let qualifiers = [Qualifier::Library, Qualifier::Global];
+    let qualifier = qualifiers.into_iter().find(|qualifier| typed_name.starts_with(qualifier.prefix()));
+    if let Some(qualifier) = qualifier {
+        qualified(&analysis, qualifier, &mut words);
+    } else if is_keyword {
         keywords(document, &outline, &analysis, typed.start, &mut words);
     } else {
         if is_quoted && let Some(world) = world_of(session.surroundings(), document, &analysis) {
@@ -93,13 +100,35 @@ fn names(
         let from = outline.lexemes.partition_point(|lexeme| lexeme.start < form.start);
         let inside = outline.lexemes[from..].iter().take_while(|lexeme| lexeme.end <= form.end);
         for lexeme in inside.filter(|lexeme| lexeme.token == Token::Symbol && lexeme.start != typed.start) {
-            let name = fold_name(&document.text[lexeme.start..lexeme.end]).into_owned();
-            words.insert(name, (CompletionItemKind::VARIABLE, String::new()));
+            let name = read_name(&document.text[lexeme.start..lexeme.end]);
+            words.insert(written_name(&name).into_owned(), (CompletionItemKind::VARIABLE, String::new()));
         }
     }
+    names_of_language(analysis, words);
+    names_of_texts(analysis, words);
+}
+
+/// The names that a qualifier may stand in front of, with it.
+fn qualified(analysis: &Analysis, qualifier: Qualifier, words: &mut Words) {
+    let mut names = Words::new();
+    names_of_language(analysis, &mut names);
+    if qualifier == Qualifier::Global {
+        names_of_texts(analysis, &mut names);
+    }
+    // Classes of failures are no values.
+    names.retain(|_, (kind, _)| *kind != CompletionItemKind::CLASS);
+    let with_qualifier =
+        |name: String| written_name(&format!("{}{}", qualifier.prefix(), read_name(&name))).into_owned();
+    words.extend(names.into_iter().map(|(name, known)| (with_qualifier(name), known)));
+}
+
+fn names_of_language(analysis: &Analysis, words: &mut Words) {
     for entry in analysis.setting.reference.names() {
         words.insert(entry.name.clone(), (kind_of(entry.kind), one_line(&entry.signature)));
     }
+}
+
+fn names_of_texts(analysis: &Analysis, words: &mut Words) {
     for (name, _, kind) in analysis.defined() {
         if name.starts_with(['%', '#']) {
             continue;
@@ -116,7 +145,7 @@ fn names(
             },
         };
         let signature = analysis.describe(name).map_or(String::new(), |known| one_line(&known.signature));
-        words.insert(name.to_string(), (kind, signature));
+        words.insert(written_name(name).into_owned(), (kind, signature));
     }
 }
 
@@ -157,7 +186,7 @@ fn wanted(document: &Document, outline: &Outline, byte: usize) -> Option<Complet
     let opener = outline.opener(byte)?;
     let head = outline.head(&document.text, opener)?;
     let is_first = outline.items(opener).nth(1).is_none_or(|at| outline.lexemes[at].start >= byte);
-    match &*fold_name(head) {
+    match base_name(&read_name(head)) {
         "activate" | "deactivate" | "run-behaviour" | "await-signal" if is_first => Some(CompletionItemKind::MODULE),
         "with-valve" | "request-valve" | "release-valve" | "holds-valve?" if is_first => {
             Some(CompletionItemKind::INTERFACE)

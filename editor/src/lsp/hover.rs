@@ -5,9 +5,9 @@ use crate::analysis::{Analysis, Description};
 use crate::document::Document;
 use crate::surroundings::Surroundings;
 use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
+use rpl_lang::bars::read_name;
 use rpl_lang::lexer::{Prefix, Token};
 use rpl_lang::occurrences::Target;
-use rpl_lang::symbol::fold_name;
 
 pub(super) fn hover(session: &mut Session<'_>, params: HoverParams) -> Answer<Option<Hover>> {
     let at = params.text_document_position_params;
@@ -20,10 +20,12 @@ pub(super) fn hover(session: &mut Session<'_>, params: HoverParams) -> Answer<Op
     if !matches!(lexeme.token, Token::Symbol | Token::Keyword) {
         return Ok(None);
     }
-    let name = fold_name(&document.text[lexeme.start..lexeme.end]);
+    let written = &document.text[lexeme.start..lexeme.end];
+    let name = read_name(written);
     let is_quoted = token > 0 && outline.lexemes[token - 1].token == Token::Prefix(Prefix::Quote);
     let place = || is_quoted.then(|| place(session.surroundings(), document, &analysis, &name)).flatten();
-    let said = local(&analysis, byte).or_else(place).or_else(|| analysis.describe(&name).map(|known| markdown(&known)));
+    let said =
+        local(&analysis, byte).or_else(place).or_else(|| analysis.describe(written).map(|known| markdown(&known)));
     Ok(said.map(|value| Hover {
         contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value }),
         range: Some(document.range(lexeme.start..lexeme.end)),

@@ -7,9 +7,11 @@ use super::session::{Answer, Refusal, Session};
 use crate::analysis::Analysis;
 use crate::document::Document;
 use lsp_types::{PrepareRenameResponse, RenameParams, TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit};
-use rpl_lang::lexer::{Token, lex};
+use rpl_lang::bars::{only_symbol, read_name};
+use rpl_lang::lexer::Token;
 use rpl_lang::occurrences::{Occurrence, Target};
 use rpl_lang::source::{SourceId, Span};
+use rpl_lang::symbol::Qualifier;
 use std::collections::{BTreeMap, HashMap};
 
 pub(super) fn prepare(
@@ -18,6 +20,7 @@ pub(super) fn prepare(
 ) -> Answer<Option<PrepareRenameResponse>> {
     let analysis = session.analysis(&params.text_document.uri)?;
     let document = session.document(&params.text_document.uri)?;
+    not_of_library(document, document.byte(params.position))?;
     let Some(occurrence) = analysis.at(document.byte(params.position)) else { return Ok(None) };
     renamable(&analysis, document, occurrence)?;
     Ok(Some(PrepareRenameResponse::Range(document.range_of(occurrence.span))))
@@ -27,12 +30,13 @@ pub(super) fn rename(session: &mut Session<'_>, params: RenameParams) -> Answer<
     let at = params.text_document_position;
     let analysis = session.analysis(&at.text_document.uri)?;
     let document = session.document(&at.text_document.uri)?;
+    not_of_library(document, document.byte(at.position))?;
     let Some(&occurrence) = analysis.at(document.byte(at.position)) else {
         return Err(Refusal::failed("here stands no name that this text or one it loads defines"));
     };
     let spans = renamable(&analysis, document, &occurrence)?;
     let new = params.new_name.as_str();
-    if !is_name(new) {
+    if only_symbol(new).is_none() {
         return Err(Refusal::failed(format!("`{new}` is no name; a name is a word such as `fetch-cup`")));
     }
     means_the_same(session, document, &analysis, &spans, new)?;
@@ -42,6 +46,20 @@ pub(super) fn rename(session: &mut Session<'_>, params: RenameParams) -> Answer<
         changes.entry(location.uri).or_default().push(TextEdit::new(location.range, new.to_string()));
     }
     Ok(Some(WorkspaceEdit::new(changes)))
+}
+
+/// Refuses a name that says that it is the library's.
+fn not_of_library(document: &Document, byte: usize) -> Answer<()> {
+    let outline = document.outline();
+    let lexeme = outline.at(byte).map(|at| outline.lexemes[at]).filter(|lexeme| lexeme.token == Token::Symbol);
+    let Some(lexeme) = lexeme else { return Ok(()) };
+    let name = read_name(&document.text[lexeme.start..lexeme.end]);
+    match Qualifier::split(&name) {
+        Some((Qualifier::Library, base)) => {
+            Err(Refusal::failed(format!("`{base}` is a name of the library here, and stays what it is")))
+        }
+        Some((Qualifier::Global, _)) | None => Ok(()),
+    }
 }
 
 /// Where a name is written, if it can be changed.
@@ -74,12 +92,6 @@ fn is_keyword(document: &Document, span: Span) -> bool {
     let text_of = |at: usize| &document.text[outline.lexemes[at].start..outline.lexemes[at].end];
     let mut items = lists.flat_map(|opener| outline.items(opener as usize));
     items.any(|item| item < at && text_of(item).eq_ignore_ascii_case("&key"))
-}
-
-fn is_name(text: &str) -> bool {
-    let (tokens, found) = lex(text, SourceId(0));
-    let is_whole = |span: Span| span.start == 0 && span.end as usize == text.len();
-    found.is_empty() && matches!(tokens.as_slice(), [(Token::Symbol, span)] if is_whole(*span))
 }
 
 /// Looks at the renamed text, and refuses a name that has a meaning already where it would stand.

@@ -6,8 +6,8 @@ use lsp_types::{
     Documentation, MarkupContent, MarkupKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureHelpParams,
     SignatureInformation,
 };
+use rpl_lang::bars::read_name;
 use rpl_lang::lexer::Token;
-use rpl_lang::symbol::fold_name;
 use std::ops::Range;
 
 pub(super) fn help(session: &mut Session<'_>, params: SignatureHelpParams) -> Answer<Option<SignatureHelp>> {
@@ -23,7 +23,7 @@ pub(super) fn help(session: &mut Session<'_>, params: SignatureHelpParams) -> An
     // What ends before the place has been given.
     let given: Vec<usize> = outline.items(opener).skip(1).filter(|&at| end(&outline, at) < byte).collect();
     let keyword = given.last().map(|&at| outline.lexemes[at]).filter(|lexeme| lexeme.token == Token::Keyword);
-    let keyword = keyword.map(|lexeme| fold_name(&document.text[lexeme.start..lexeme.end]).into_owned());
+    let keyword = keyword.map(|lexeme| read_name(&document.text[lexeme.start..lexeme.end]).into_owned());
     let parts = parts(&known.signature);
     let active = active(&known.signature, &parts, given.len(), keyword.as_deref());
     let offset = |at: usize| known.signature[..at].encode_utf16().count() as u32;

@@ -7,10 +7,11 @@ use lsp_types::{
     SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokens, SemanticTokensLegend,
     SemanticTokensParams, SemanticTokensRangeParams, SemanticTokensRangeResult, SemanticTokensResult,
 };
+use rpl_lang::bars::{begins_definition, read_name};
 use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::DefinedKind;
 use rpl_lang::lexer::{Prefix, Token};
-use rpl_lang::symbol::fold_name;
+use rpl_lang::symbol::{Qualifier, base_name};
 use rpl_mission::reference::NameKind;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -98,7 +99,7 @@ fn tokens(document: &Document, analysis: &Analysis, within: Range<usize>) -> Vec
             Token::Keyword => Some((Type::Keyword, 0)),
             Token::Symbol if before == Some(Token::Prefix(Prefix::Quote)) => Some((Type::Quoted, 0)),
             Token::Symbol => {
-                let name = fold_name(&document.text[lexeme.start..lexeme.end]);
+                let name = read_name(&document.text[lexeme.start..lexeme.end]);
                 let is_head = before == Some(Token::Open) || before == Some(Token::Prefix(Prefix::Function));
                 names.meaning(&name, is_head).map(|(kind, library)| (kind, if library { LIBRARY } else { 0 }))
             }
@@ -118,8 +119,7 @@ fn tokens(document: &Document, analysis: &Analysis, within: Range<usize>) -> Vec
 }
 
 fn is_definition(head: &str) -> bool {
-    head.as_bytes().get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"def"))
-        || head.eq_ignore_ascii_case("global-fluent")
+    begins_definition(head) || base_name(&read_name(head)) == "global-fluent"
 }
 
 /// What the names of the language and of the texts are.
@@ -150,7 +150,11 @@ impl<'a> Names<'a> {
     /// What a name is, and whether it comes with the language. A word that is a form only at the head of a list is
     /// elsewhere a name like others.
     fn meaning(&self, name: &str, is_head: bool) -> Option<(Type, bool)> {
-        if let Some(&kind) = self.own.get(name) {
+        let (qualifier, name) =
+            Qualifier::split(name).map_or((None, name), |(qualifier, base)| (Some(qualifier), base));
+        if let Some(&kind) = self.own.get(name)
+            && qualifier != Some(Qualifier::Library)
+        {
             return Some((kind, false));
         }
         let entry = self.analysis.setting.reference.find(name)?;

@@ -155,6 +155,11 @@ fn completion_offers_what_fits() {
         ("(wait-for x :ti|)", ":timeout", false),
         ("(run-behaviour gripper :gr|)", ":grasp", false),
         ("(let ((kettle 1)) (print ket|))", "kettle", false),
+        ("(library:whene|", "library:whenever", false),
+        ("(print (library:|", "library:length", false),
+        ("(def-plan greet () 1)\n(global:gre|", "global:greet", false),
+        ("(global:|", "global:length", false),
+        ("(library:activate nav|)", "navigation", true),
     ] {
         let mut client = Client::with(&files, text);
         let offered = client.at_mark("textDocument/completion", json!({})).expect("it is answered");
@@ -163,6 +168,10 @@ fn completion_offers_what_fits() {
         let sort = item.and_then(|item| item["sortText"].as_str()).unwrap_or_default();
         assert_eq!(sort.starts_with('0'), is_first, "{text}");
     }
+    let mut client = Client::with(&files, "(def-plan greet () 1)\n(def-failure slipped (failure) ())\n(library:|");
+    let offered = client.at_mark("textDocument/completion", json!({})).expect("it is answered");
+    assert!(labels(&offered).iter().all(|label| label.starts_with("library:")));
+    assert!(!labels(&offered).contains(&"library:greet"), "the text's own is not the library's");
     for nothing in ["(print \"go-|\")", "; go-|"] {
         let mut client = Client::with(&files, nothing);
         let offered = client.at_mark("textDocument/completion", json!({})).expect("it is answered");
@@ -240,6 +249,49 @@ fn a_new_name_stands_everywhere_or_nowhere() {
     let edits = client.at_mark("textDocument/rename", json!({ "newName": "piece" })).expect("it can be done");
     assert_eq!(edits["changes"]["file:///plans/part.rpl"].as_array().map(Vec::len), Some(2));
     assert_eq!(edits["changes"][FILE].as_array().map(Vec::len), Some(1));
+}
+
+/// A text with a name of its own, which hides one of the library, and is hidden.
+const QUALIFIED: &str = "(defun length (l) (library:length l))
+(defvar size 3)
+(let ((size 1) (length 2))
+  (dolist (e (list size global:size))
+    (print (global:length (list e length)))))
+";
+
+#[test]
+fn a_name_with_a_qualifier_is_followed_and_changed_behind_it() {
+    let files = Files::default();
+    let at = |line: usize, word: &str| {
+        let start: usize = QUALIFIED.split_inclusive('\n').take(line).map(str::len).sum();
+        let at = start + QUALIFIED[start..].find(word).expect("the word is there");
+        Client::with(&files, &format!("{}|{}", &QUALIFIED[..at], &QUALIFIED[at..]))
+    };
+    for (line, word, defined) in [
+        (3, "global:size", range((1, 8), (1, 12))),
+        (3, "size))", range((1, 8), (1, 12))),
+        (3, "size global", range((2, 7), (2, 11))),
+        (4, "global:length", range((0, 7), (0, 13))),
+        (4, "length)))", range((2, 16), (2, 22))),
+    ] {
+        let found = at(line, word).at_mark("textDocument/definition", json!({})).expect("it is answered");
+        assert_eq!(found["range"], defined, "{word}");
+    }
+    let none = at(0, "library:length").at_mark("textDocument/definition", json!({})).expect("it is answered");
+    assert!(none.is_null(), "the library has no file: {none}");
+    let context = || json!({ "context": { "includeDeclaration": true } });
+    let uses = at(1, "size").at_mark("textDocument/references", context()).expect("it is answered");
+    assert_eq!(starts(&uses), [(1, 8), (3, 31)]);
+
+    let edits = at(1, "size").at_mark("textDocument/rename", json!({ "newName": "width" })).expect("it can be done");
+    let after = changed(QUALIFIED, &edits["changes"][FILE]);
+    assert_eq!(after, QUALIFIED.replace("defvar size", "defvar width").replace("global:size", "global:width"));
+    let edits = at(3, "global:size").at_mark("textDocument/rename", json!({ "newName": "width" }));
+    assert_eq!(changed(QUALIFIED, &edits.expect("it can be done")["changes"][FILE]), after);
+    for method in ["textDocument/rename", "textDocument/prepareRename"] {
+        let refused = at(0, "library:length").at_mark(method, json!({ "newName": "count-of" }));
+        assert!(refused.as_ref().is_err_and(|why| why.contains("a name of the library")), "{method}: {refused:?}");
+    }
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Places in the text: what is marked, and what a comment there says.
 
+use crate::bars::read_name;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Token;
 use crate::lexer::lex;
 use crate::source::{LINE_ENDS, Sources, Span, line_end, line_start};
-use crate::symbol::fold_name;
 
 /// What a comment begins with that takes warnings away.
 const ALLOWANCE: &str = "; check: allow ";
@@ -49,7 +49,7 @@ pub(super) fn binding_name(sources: &Sources, span: Span, name: &str) -> Option<
     let inner_start = text.len() - inner.trim_start().len();
     let rest = text.get(inner_start..)?;
     let end = rest.find(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ';')).unwrap_or(rest.len());
-    if fold_name(&rest[..end]) != name {
+    if read_name(&rest[..end]) != name {
         return None;
     }
     let start = span.start + inner_start as u32;
@@ -67,7 +67,7 @@ pub(super) fn keyword(sources: &Sources, call: Span, own: Span, key: &str) -> Sp
         end: call.start + span.end,
         ..call
     });
-    let is_key = |span: &Span| fold_name(&sources.text_of(*span)[1..]) == key;
+    let is_key = |span: &Span| read_name(&sources.text_of(*span)[1..]) == key;
     named.into_iter().find(is_key).unwrap_or(own)
 }
 

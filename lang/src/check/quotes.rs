@@ -1,11 +1,11 @@
 //! Quotes in what is quoted already: `'(kitchen 'hall)` has the list `(quote hall)` in it.
 
 use super::known::Check;
+use crate::bars::read_name;
 use crate::compile::special_forms;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token};
 use crate::source::{SourceId, Span};
-use crate::symbol::fold_name;
 use std::collections::BTreeSet;
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
@@ -92,7 +92,7 @@ impl Search<'_, '_> {
     /// Whether a list with this head is a form, or a pattern of one.
     fn begins_plan(&self, head: Span) -> bool {
         let (check, program) = (self.check, self.check.subject.program);
-        let name = fold_name(program.sources.text_of(head));
+        let name = read_name(program.sources.text_of(head));
         let is_function = || {
             check
                 .subject

@@ -2,7 +2,7 @@
 
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
 use super::expansion::Expansion;
-use super::forms::Goals;
+use super::forms::{Goals, UndefinedGoal};
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
@@ -82,6 +82,8 @@ pub(crate) struct Compiler<'a> {
     pub(super) methods: BTreeMap<Symbol, Methods>,
     /// What can be achieved, by the names of the goals.
     pub(super) goals: BTreeMap<Symbol, Goals>,
+    /// Goals of names that none had, where they are first to be achieved, by the plans that would do it.
+    pub(super) undefined_goals: BTreeMap<Symbol, UndefinedGoal>,
 }
 
 pub(crate) struct FunctionScope {
@@ -190,6 +192,7 @@ impl<'a> Compiler<'a> {
             tests: BTreeMap::new(),
             methods: BTreeMap::new(),
             goals: BTreeMap::new(),
+            undefined_goals: BTreeMap::new(),
         }
     }
 

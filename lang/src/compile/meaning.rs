@@ -6,6 +6,7 @@ use super::locals::Surrounding;
 use crate::code::{Atom, Global, GlobalKind, Program};
 use crate::source::Span;
 use crate::symbol::{Qualifier, Symbol};
+use crate::syntax::NodeId;
 
 /// What a name means where it stands.
 pub(super) enum Meaning {
@@ -110,6 +111,16 @@ impl Compiler<'_> {
                 function.captures.push(variable);
             }
         }
+    }
+
+    /// The name that a list begins with, if no variable and no definition of the text gives it a meaning of its own.
+    pub(super) fn head_of_language(&self, node: NodeId) -> Option<&str> {
+        let (qualifier, name) = self.tree.name(*self.tree.proper_list(node)?.first()?)?;
+        let program = self.program_of(qualifier);
+        let is_own = self.is_lexically_bound(qualifier, name)
+            || program.names.contains_key(&name)
+            || program.macros.contains_key(&name);
+        (!is_own).then(|| self.symbols.name(name))
     }
 
     pub(super) fn is_lexically_bound(&self, qualifier: Option<Qualifier>, name: Symbol) -> bool {

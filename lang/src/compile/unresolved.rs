@@ -15,6 +15,7 @@ use crate::source::Span;
 use crate::suggest::suggest;
 use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{self, NodeId};
+use std::collections::BTreeSet;
 
 /// Unknown names that are told of one text; the rest is counted.
 const MOST_UNKNOWN: usize = 1_000;
@@ -44,15 +45,24 @@ impl Compiler<'_> {
         }
         let known = self.known_names();
         let (mut places, mut work) = (NamePlaces::default(), MOST_COMPARED);
-        let count = names.len();
-        for (number, (name, unknown)) in names.into_iter().zip(undefined.into_values()).enumerate() {
+        let goals = std::mem::take(&mut self.undefined_goals);
+        // Of a goal that nothing defines nobody knows which elements are words.
+        let of_goals = names.iter().filter_map(|name| goals.get(name)).flat_map(|goal| &goal.elements);
+        let of_goals: BTreeSet<Span> = of_goals.copied().collect();
+        let unknown = names.into_iter().zip(undefined.into_values());
+        let unknown: Vec<_> = unknown.filter(|(_, unknown)| !of_goals.contains(&unknown.span)).collect();
+        let count = unknown.len();
+        for (number, (name, unknown)) in unknown.into_iter().enumerate() {
             if number == MOST_UNKNOWN {
                 let more = count - number;
                 let message = format!("and {more} more names are not defined anywhere");
                 self.error("more-errors", unknown.span, message, "the next one is here");
                 return;
             }
-            self.undefined_name(name, unknown, &known, &mut places, &mut work);
+            match goals.get(&name).filter(|_| !self.would_be_defined(name)) {
+                Some(goal) => self.tell_undefined_goal(goal),
+                None => self.undefined_name(name, unknown, &known, &mut places, &mut work),
+            }
         }
     }
 
@@ -64,10 +74,10 @@ impl Compiler<'_> {
         places: &mut NamePlaces,
         work: &mut usize,
     ) {
-        let text = self.symbols.name(name).to_string();
-        if self.would_be_defined(&text) {
+        if self.would_be_defined(name) {
             return;
         }
+        let text = self.symbols.name(name).to_string();
         // With a qualifier or without; else the form.
         let sources = &self.program.sources;
         let found = places.find(sources, unknown.span, &text);
@@ -133,10 +143,11 @@ impl Compiler<'_> {
 
     /// Whether a macro that could not be expanded may have defined the name: some words of it name what that was
     /// called with.
-    fn would_be_defined(&self, text: &str) -> bool {
+    fn would_be_defined(&self, name: Symbol) -> bool {
         if self.unexpanded.is_empty() {
             return false;
         }
+        let text = self.symbols.name(name);
         let begins = std::iter::once(0).chain(text.match_indices('-').map(|(at, _)| at + 1));
         let is_unexpanded = |part: &str| self.symbols.find(part).is_some_and(|name| self.unexpanded.contains(&name));
         begins.into_iter().any(|begin| {

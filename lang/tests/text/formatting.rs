@@ -47,6 +47,30 @@ fn becomes(text: &str, expected: &str) {
     assert_eq!(check(expected), expected);
 }
 
+/// r[eval.qualified]
+#[test]
+fn a_qualifier_changes_nothing_about_the_layout() {
+    let long = "(a-rather-long-form with some arguments)";
+    for form in [
+        format!("(loop while (is-there-more-to-do?) {long} {long} {long})"),
+        format!("(n-times 3 {long} {long} {long})"),
+        format!("(with-timeout 30 :active {long} {long} {long})"),
+        format!("(defmacro twice (times &body body) {long} {long} {long})"),
+    ] {
+        let plain = check(&form);
+        for qualifier in ["library:", "global:"] {
+            let qualified = check(&form.replacen('(', &format!("({qualifier}"), 1));
+            assert_eq!(qualified, plain.replacen('(', &format!("({qualifier}"), 1));
+        }
+    }
+    let own = "(library:defmacro twice (times &body body) (list times body))\n";
+    let body = |head: &str| format!("({head} 3\n  {long}\n  {long}\n  {long})\n");
+    let call = |head: &str| format!("{own}({head} 3 {long} {long} {long})\n");
+    becomes(&call("twice"), &format!("{own}{}", body("twice")));
+    becomes(&call("global:twice"), &format!("{own}{}", body("global:twice")));
+    assert_ne!(check(&call("library:twice")), format!("{own}{}", body("library:twice")));
+}
+
 #[test]
 fn lines_end_in_line_feeds() {
     for end in ["\r\n", "\r"] {

@@ -203,10 +203,24 @@ fn name() -> impl Strategy<Value = String> {
         .prop_filter("begins like a number", |name| !rpl_lang::number::begins_like_number(name))
 }
 
+/// Names of any characters, most of them such as mean something to the reader.
+fn odd_name() -> impl Strategy<Value = String> {
+    let scraps = vec![
+        "", "a", "B", " ", "|", "\\", "(", ")", "'", "`", ",", "@", "\"", ";", "#", "#|", "|#", ":", ".", "-", "+",
+        "1", "m", "e5", "\n", "\r", "\t", "\0", "\u{200b}", "\u{a0}", "\u{202e}", "ä", "Ä", "İ", "≤", "nil",
+        "library:", "[", "{", "…",
+    ];
+    let scraps = prop::collection::vec(prop::sample::select(scraps), 0..5).prop_map(|scraps| scraps.concat());
+    prop_oneof![3 => scraps, 1 => any::<String>()]
+        .prop_filter("one that gensym has made", |name| !rpl_lang::symbol::is_uninterned(name))
+}
+
 fn datum() -> impl Strategy<Value = Datum> {
     let float = any::<f64>().prop_map(|value| Datum::Float(value.to_bits()));
     let leaf = prop_oneof![
         4 => name().prop_map(Datum::Symbol),
+        2 => odd_name().prop_map(Datum::Symbol),
+        1 => odd_name().prop_map(Datum::Keyword),
         1 => "[a-z-]{1,9}".prop_map(Datum::Keyword),
         1 => any::<i64>().prop_map(Datum::Int),
         1 => float.prop_filter("not a number", |datum| !matches!(datum, Datum::Float(bits) if f64::from_bits(*bits).is_nan())),

@@ -125,6 +125,40 @@ lines""#,
     );
 }
 
+/// r[read.bars]
+#[test]
+fn a_name_of_any_characters_stands_between_bars() {
+    reads_as(
+        r"(|two words| |Foo| |foo| || |a\|b\\c| |\u{200b}\n| |.5| |(| :|a b| :|| '|x y| ,@|;|) |nil|",
+        &[r"(|two words| |Foo| foo || |a\|b\\c| |\u{200b}\n| |.5| |(| :|a b| :|| '|x y| ,@|;|)", "nil"],
+    );
+    reads_as("(|library:car| |global:a b|)", &["(library:car |global:a b|)"]);
+}
+
+/// r[read.bars]
+#[test]
+fn what_is_wrong_about_a_name_between_bars_is_told_where_it_stands() {
+    for (text, code, start) in [
+        ("(a |two words) (b)", "unterminated-name", 3),
+        ("(a |two\nwords|)", "unterminated-name", 3),
+        ("(a |b\\q|)", "bad-escape", 5),
+        ("(a |b\u{200b}|)", "invisible-character", 5),
+        ("(a |b\t|)", "invisible-character", 5),
+        ("(a |#:b|)", "unknown-hash", 4),
+        ("(a b|c|)", "joined-name", 4),
+        ("(a |b|c)", "joined-name", 6),
+        ("(a |b||c|)", "joined-name", 6),
+        ("(a library:|b|)", "joined-name", 11),
+        ("(a 5|b|)", "joined-name", 4),
+    ] {
+        let (data, found) = read_all(text);
+        let found: Vec<_> = found.iter().map(|found| (found.code, found.span.start)).collect();
+        assert_eq!(found[0], (code, start), "{text}");
+        assert!(data.len() == if text.contains("(b)") { 2 } else { 1 }, "{text}: {data:?}");
+    }
+    assert_eq!(codes("(a |two words) (b)"), ["unterminated-name"]);
+}
+
 #[test]
 fn a_byte_order_mark_is_skipped() {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
@@ -228,7 +262,7 @@ fn tokens_cover_comments() {
 fn scraps() -> impl Strategy<Value = String> {
     let scrap = prop::sample::select(vec![
         "(", ")", "'", "`", ",", ",@", "#'", "#;", "#|", "|#", "\"", "\\", ";", "\n", "\n(", " ", ".", "a", "Def", "1",
-        "3d", "1+", ":k", ":", "#", "≤", "\u{1}", "[", "\u{2028}", "\r", "\\u{41}", "ä",
+        "3d", "1+", ":k", ":", "#", "≤", "\u{1}", "[", "|", "\u{2028}", "\r", "\\u{41}", "ä",
     ]);
     prop::collection::vec(scrap, 0..60).prop_map(|scraps| scraps.concat())
 }

@@ -2,6 +2,7 @@
 
 use crate::state::machine::Machine;
 use crate::state::value::Value;
+use rpl_lang::bars::{written_keyword, written_name};
 use rpl_lang::code::Program;
 use rpl_lang::number::format_float;
 use rpl_lang::visible::{quote_string, visible};
@@ -22,11 +23,13 @@ enum ToPrint {
     Text(&'static str),
 }
 
-/// A value as `print` shows it: strings without quotes.
+/// A value as `print` shows it: strings without quotes, names without bars.
 fn display(machine: &Machine, program: &Program, value: Value, text: &mut String) {
     match value {
         Value::Str(string) => text.push_str(&machine.heap.strings[string]),
         Value::Int(value) => text.push_str(itoa::Buffer::new().format(value)),
+        Value::Symbol(symbol) => text.push_str(&visible(machine.symbols.name(symbol))),
+        Value::Keyword(symbol) => text.extend([":", &visible(machine.symbols.name(symbol))]),
         Value::Failure(failure) => {
             let failure = &machine.heap.failures[failure];
             text.extend([machine.symbols.name(failure.class), ": ", &failure.message]);
@@ -92,8 +95,8 @@ fn atom(machine: &Machine, program: &Program, value: Value, text: &mut String) {
         Value::True => write!(text, "t"),
         Value::Int(value) => return text.push_str(itoa::Buffer::new().format(value)),
         Value::Float(value) => write!(text, "{}", format_float(value)),
-        Value::Symbol(symbol) => write!(text, "{}", name(symbol)),
-        Value::Keyword(symbol) => write!(text, ":{}", name(symbol)),
+        Value::Symbol(symbol) => write!(text, "{}", written_name(machine.symbols.name(symbol))),
+        Value::Keyword(symbol) => write!(text, "{}", written_keyword(machine.symbols.name(symbol))),
         Value::Str(string) => write!(text, "{}", quote_string(&machine.heap.strings[string])),
         Value::Function(code) => write!(text, "#<function {}>", code_name(code)),
         Value::Closure(closure) => write!(text, "#<function {}>", code_name(machine.heap.closures[closure].code)),

@@ -203,6 +203,8 @@ fn goals_have_words() {
         ("(achieve (the 'cup under table))", "no goal is like `(the 'cup under table)`"),
         ("(achieve (the 'cup under table))", "there is `(the ? on ?)`, `(the ? in ?)`, `(the ? on floor)`"),
         ("(achieve (the 'cup))", "no goal is like `(the 'cup)`"),
+        ("(achieve (the 'cup onn table))", "did you mean `on` for `onn`? there is `(the ? on ?)`"),
+        ("(def-goal (achieve (the ?a |on top|)) 1)", "where names are words among parameters"),
         ("(achieve)", "this is not of the form `(achieve (NAME ARGUMENT...))`"),
         ("(def-goal (achieve (the ?a 5)) 1)", "where names are words among parameters that begin with `?`"),
         ("(def-goal (achieve (the ?a on &optional ?b)) 1)", "where names are words among parameters"),
@@ -211,6 +213,37 @@ fn goals_have_words() {
         let text = format!("{goals} {text}");
         check_failures(&[(text.as_str(), part)]);
     }
+}
+
+/// r[goal.undefined]
+#[test]
+fn a_goal_that_nothing_defines_is_one_error() {
+    let told = |text: &str| {
+        let fault = evaluate(text).expect_err(text);
+        (fault.matches("error[").count(), fault)
+    };
+    let goals = "(def-goal (achieve (clean room)) room)";
+    for (text, parts) in [
+        (
+            "(achieve (the cup on table))",
+            &[
+                "error[unknown-goal]: no goal is like `(the cup on table)`",
+                "`(def-goal (achieve (the PARAMETER...)) FORM...)`",
+            ][..],
+        ),
+        ("(def-plan p () (achieve (the cup on table))) (p)", &["no goal is like `(the cup on table)`"]),
+        ("(achieve (claen hall))", &["no goal is like `(claen hall)`", "did you mean `clean`?"]),
+        ("(achieve (shut))", &["no goal is like `(shut)`"]),
+    ] {
+        let (count, fault) = told(&format!("{goals}\n{text}"));
+        assert_eq!(count, 1, "{fault}");
+        assert!(parts.iter().all(|part| fault.contains(part)), "{fault}");
+    }
+    // What is no element by itself is told.
+    assert_eq!(told("(achieve (the (cup) on table))").0, 2);
+    assert_eq!(told("(achieve (the cup)) (print cop)").0, 2);
+    // The plan may be there otherwise.
+    assert_eq!(evaluate("(def-plan achieve-order (x) x) (achieve (order 1))").as_deref(), Ok("1"));
 }
 
 /// r[valve.timeout]
@@ -366,7 +399,7 @@ fn goals() {
         "(r1 at 3)",
     )]);
     check_failures(&[
-        ("(achieve (no-such-goal 1))", "`achieve-no-such-goal` is not defined anywhere"),
+        ("(achieve (no-such-goal 1))", "no goal is like `(no-such-goal 1)`"),
         ("(def-goal wrong 1)", "this is not of the form `(def-goal (achieve (NAME PARAMETER...)) FORM...)`"),
     ]);
 }

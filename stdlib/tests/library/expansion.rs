@@ -107,7 +107,19 @@ fn files_that_load_each_other_twice_are_bounded() {
 /// r[limit.expansion]
 #[test]
 fn a_macro_without_an_end_is_told_once_however_often_it_uses_itself() {
-    for body in ["`(boom ,n)", "`(progn (boom ,n) (boom ,n))", "`(progn (boom ,n) (boom ,n) (boom ,n))"] {
+    for body in [
+        "`(boom ,n)",
+        "`(progn (boom ,n) (boom ,n))",
+        "`(progn (boom ,n) (boom ,n) (boom ,n))",
+        "`(list 1 (boom ,n))",
+        "`(list (boom ,n) (boom ,n))",
+        "`(+ 1 (boom ,n))",
+        "`(let ((x (boom ,n))) x)",
+        "`(let ((x 1)) (boom ,n))",
+        "`(if (boom ,n) (boom ,n))",
+        "`(lambda () (boom ,n))",
+        "`(cons (print 1) (boom ,n))",
+    ] {
         let told = faults(&format!("(defmacro boom (n) {body})\n(boom 1)\n(boom 2)"));
         assert_eq!(told.matches("error[").count(), 1, "{told:.600}");
         assert!(told.contains("error[endless-macro]") && told.contains("test:2:1"), "{told:.600}");

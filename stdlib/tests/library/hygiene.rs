@@ -12,6 +12,7 @@ const DEFINITIONS: &str = "
 (def-goal (achieve (clean room)) (list 'wiped room))
 (def-revision other-way (projection plan) (when (consp plan)) (cons 'seq plan) \"Another way.\")
 (def-fluent light 0)
+(defvar again 6)
 (def-queue trays :most 2)
 (def-plan shelve (item) (wait-time 1) (list 'shelved item))
 ";
@@ -57,6 +58,13 @@ const USES: &[&str] = &[
             (seq (wait-time 1) (swap-plan (value job) '(shelve 'cup)))))",
     "(list (seq (:tag step 1) (finished? step)) (finished? step))",
     "(other-way nil '((shelve 1)))",
+    "(let ((errand '(seq (:tag one (shelve 'cup)) (:tag two (shelve 'jug)))))
+       (map (lambda (rule) (execute-plan (rule (make-projection :failures '((1.0 failure \"\" \"\"))) errand)))
+            (list library:last-step-first library:first-step-last library:side-by-side library:try-once-more)))",
+    "(execute-plan (plan-resumed '(par (:tag one (shelve 'cup)) (:tag two (shelve 'jug)))))",
+    "(execute-plan (library:one-after-the-other nil '(par (:tag one (shelve 'cup)) (:tag two (shelve 'jug)))))",
+    "(execute-plan (library:other-way-first nil '(try-in-order (fail \"no\") (shelve 'jug))))",
+    "(execute-plan (library:try-once-more (make-projection :failures '((1.0 failure \"\" \"\"))) '(list again)))",
     "(let ((a (create-fluent 1)) (b (create-fluent 2))) (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
     "(par (list (dequeue trays) (dequeue trays :if (lambda (tray) (stringp tray)))) (seq (enqueue trays 1) (enqueue trays \"two\") (value (queue-length trays))))",
     "(with-parts-handled ((plan-failure (parts) (length parts))) (try-all (fail \"a\") (fail \"b\")))",
@@ -159,7 +167,7 @@ fn a_name_of_the_library_can_be_said_where_it_is_bound() {
     all_are(found.collect());
 }
 
-/// r[eval.macro-names], r[eval.redefine]
+/// r[eval.macro-names], r[eval.redefine], r[rule.names]
 #[test]
 fn what_a_text_defines_changes_nothing_in_a_macro() {
     let names = names();
@@ -219,6 +227,23 @@ fn a_name_says_where_it_is_looked_up() {
         ("(dolist (library:f '(1)) 1)", "cannot be bound or defined"),
         ("(par-map (library:f '(1)) 1)", "cannot be bound or defined"),
         ("(list library:if)", "`if` is a form, not a function"),
+    ]);
+}
+
+/// r[fluent.position]
+#[test]
+fn a_name_that_gives_a_fluent_means_what_is_bound() {
+    check(&[
+        ("(def-fluent f 3) (let ((status (lambda (x) (> x 2)))) (wait-for (status f)))", "t"),
+        ("(def-fluent f 3) (flet ((changed (x) (> x 2))) (wait-for (changed f)))", "t"),
+        ("(def-fluent f 3) (let ((fluent (lambda (x) (> x 2)))) (wait-for (fluent f)))", "t"),
+        ("(def-fluent f 3) (defun result (x) (list x)) (wait-for (result f))", "(3)"),
+        ("(def-fluent f 3) (defmacro end-task (x) `(> ,x 2)) (wait-for (end-task f))", "t"),
+        ("(par (:tag w (wait-time 1)) (let ((status 1)) (wait-for (library:end-task w)) (now)))", "1.0"),
+        (
+            "(par (:tag w (wait-time 1)) (let ((end-task 1)) (wait-for (global:end-task w)) (list end-task (now))))",
+            "(1 1.0)",
+        ),
     ]);
 }
 

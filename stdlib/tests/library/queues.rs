@@ -1,6 +1,6 @@
 //! Queues: items that have one taker.
 
-use crate::evaluate::{check, check_failures};
+use crate::evaluate::{check, check_failures, evaluate};
 
 /// r[queue.first]
 #[test]
@@ -187,6 +187,46 @@ fn a_taker_that_is_suspended_is_passed_over_and_keeps_its_place() {
             "((b x 2.0) (a y 4.0))",
         ),
     ]);
+}
+
+/// r[queue.given], r[queue.cut-short]
+#[test]
+fn a_taker_that_is_suspended_with_an_item_keeps_it_until_it_goes_on_or_ends() {
+    // A and B wait; A is given X and suspended in the same instant, and something happens to it 5 seconds later.
+    let served = |then: &str| {
+        let text = format!(
+            "(def-queue q) (defvar got nil)
+             (def-plan take (name) (let ((item (dequeue q))) (push (list name item (now)) got)))
+             (def-plan serve ()
+               (par (:tag a (with-failure-handling ((timeout () nil)) (with-timeout 4 :active (take 'a))))
+                    (:tag b (seq (wait-time 0.5) (take 'b)))
+                    (seq (wait-time 1)
+                         (with-priority 1 (seq (enqueue q 'x) (suspend a)))
+                         (push (list 'left (value (queue-length q))) got)
+                         (wait-time 5)
+                         {then})))
+             (serve)
+             (reverse got)"
+        );
+        evaluate(&text)
+    };
+    let is = |list: &str| Ok(list.to_string());
+    assert_eq!(served("(resume a) (wait-time 1) (enqueue q 'y)"), is("((left 0) (a x 6.0) (b y 7.0))"));
+    assert_eq!(served("(evaporate a)"), is("((left 0) (b x 6.0))"));
+    assert_eq!(served("(swap-plan a '(push 'other-plan got)) (resume a)"), is("((left 0) (b x 6.0) other-plan)"));
+    // The item goes back before what came later, if nobody else waits.
+    check(&[(
+        "(def-queue q)
+         (def-plan serve ()
+           (par (:tag a (ignore-failures (timeout) (with-timeout 3 (dequeue q))))
+                (seq (wait-time 1)
+                     (with-priority 1 (seq (enqueue q 'x) (enqueue q 'y) (suspend a)))
+                     (wait-time 5)
+                     (resume a))))
+         (serve)
+         (list (value (queue-length q)) (dequeue q) (dequeue q))",
+        "(2 x y)",
+    )]);
 }
 
 /// r[queue.length]

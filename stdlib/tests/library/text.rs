@@ -2,6 +2,8 @@
 
 use crate::evaluate::{check, check_failures, evaluate};
 use proptest::prelude::*;
+use rpl_lang::symbol::is_uninterned;
+use rpl_lang::visible::quote_string;
 
 /// r[value.strings]
 #[test]
@@ -57,9 +59,58 @@ fn symbols() {
     ]);
     check_failures(&[
         ("(intern (symbol-name (gensym)))", "type-error: argument 1 of `intern` must be the name of a symbol"),
-        ("(intern \"\")", "type-error"),
         ("(symbol-name 5)", "type-error: argument 1 of `symbol-name` must be a symbol, and it is the integer 5"),
     ]);
+}
+
+/// r[read.bars-written]
+#[test]
+fn names_are_written_so_that_they_read_back() {
+    check(&[
+        (
+            "(map intern '(\"a b\" \".5\" \"-2\" \"nil\" \"(x)\" \"a;b\" \"x'y\" \":key\" \"1+\" \"|\" \"\" \"\\\\\" \"5m\" \"ÄÖ\" \"a\\nb\" \".\" \"...\" \"@\"))",
+            r"(|a b| |.5| |-2| nil |(x)| |a;b| |x'y| |:key| 1+ |\|| || \ |5m| äö |a\nb| |.| ... @)",
+        ),
+        (
+            "(list '|Foo| (eq '|foo| 'foo) (intern \"Foo\") (make-keyword \"a b\") (make-keyword \"12\"))",
+            "(|Foo| t foo :|a b| :12)",
+        ),
+        ("(format \"~a ~s ~a ~s\" '|a b| '|a b| :|a b| :|a b|)", "\"a b |a b| :a b :|a b|\""),
+        (
+            "(list (string '|a\\nb|) (concat '|a b| '(|a b|)) (symbol-name '|library:a b|))",
+            "(\"a\\nb\" \"a b(|a b|)\" \"library:a b\")",
+        ),
+        ("(let ((|the cup| 3)) (+ |the cup| 1))", "4"),
+        ("(execute-plan (list 'let (list (list (intern \"a b\") 2)) (list 'list (intern \"a b\"))))", "(2)"),
+        ("(list (|library:car| '(1)) (execute-plan '(|global:list| 2)))", "(1 (2))"),
+    ]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// r[read.bars-written]
+    #[test]
+    fn what_is_written_of_a_symbol_is_read_as_the_same_symbol(names in prop::collection::vec(odd_name(), 1..30)) {
+        let names: Vec<String> = names.iter().map(|name| quote_string(name)).collect();
+        let names = names.join(" ");
+        for of_name in ["intern", "make-keyword"] {
+            let made = format!("(map {of_name} '({names}))");
+            let written = evaluate(&made).expect("names of symbols");
+            prop_assert_eq!(evaluate(&format!("(equal {made} '{written})")), Ok("t".to_string()), "{}", written);
+        }
+    }
+}
+
+/// Names of characters that mean something to the reader.
+fn odd_name() -> impl Strategy<Value = String> {
+    let scraps = vec![
+        "", "a", "B", " ", "|", "\\", "(", ")", "'", "`", ",", "@", "\"", ";", "#", ":", ".", "-", "+", "1", "m", "e5",
+        "\n", "\t", "\u{200b}", "\u{202e}", "ä", "İ", "≤", "nil", "t", "library:", "inf.0", "[", "{",
+    ];
+    prop::collection::vec(prop::sample::select(scraps), 0..5)
+        .prop_map(|scraps| scraps.concat())
+        .prop_filter("one that gensym has made", |name| !is_uninterned(name))
 }
 
 #[test]

@@ -33,6 +33,8 @@ pub(super) struct Emitter<'c, 'a> {
     pub(super) constructs: Vec<Construct>,
     pub(super) handlers: Vec<Vec<Vec<Symbol>>>,
     pub(super) locals: Vec<Local>,
+    /// Those that are there at this place, by their positions.
+    pub(super) open_locals: Vec<usize>,
     pub(super) kind: CodeKind,
     /// Registers that hold numbers of the text, in the loops where they are operands.
     pub(super) literals: BTreeMap<Literal, Reg>,
@@ -45,6 +47,7 @@ impl Emitter<'_, '_> {
         let name = self.compiler.variables[variable.0 as usize].name;
         // What macros bind for themselves is no variable of the text.
         if !self.compiler.symbols.name(name).starts_with(['%', '#']) {
+            self.open_locals.push(self.locals.len());
             self.locals.push(Local { name, register, from: self.ops.len() as u32, to: u32::MAX });
         }
     }
@@ -75,8 +78,14 @@ impl Emitter<'_, '_> {
         self.next = before;
         self.registers.retain(|_, register| usize::from(*register) < before);
         let end = self.ops.len() as u32;
-        let ended = self.locals.iter_mut().filter(|local| usize::from(local.register) >= before);
-        ended.filter(|local| local.to == u32::MAX).for_each(|local| local.to = end);
+        let locals = &mut self.locals;
+        self.open_locals.retain(|&at| {
+            let stays = usize::from(locals[at].register) < before;
+            if !stays {
+                locals[at].to = end;
+            }
+            stays
+        });
         result
     }
 

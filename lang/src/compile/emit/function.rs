@@ -27,12 +27,14 @@ pub(in crate::compile) fn emit(compiler: &mut Compiler<'_>, function: &Function,
         constructs: Vec::new(),
         handlers: Vec::new(),
         locals: Vec::new(),
+        open_locals: Vec::new(),
         kind: function.kind,
         literals: BTreeMap::new(),
     };
     emitter.function(function);
     let Emitter { mut ops, spans, most, constructs, handlers, locals, compiler, .. } = emitter;
-    if most > MAX_REGISTERS {
+    // What was expanded too deep has been told, and leaves forms in forms behind.
+    if most > MAX_REGISTERS && !compiler.expansion.is_over {
         let name = compiler.symbols.name(function.name).to_string();
         let message = format!("`{name}` needs {most} registers, and {MAX_REGISTERS} is the most");
         compiler.error("too-large", function.span, message, "too many variables or arguments at once").help =

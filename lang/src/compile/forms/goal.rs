@@ -10,6 +10,7 @@ use crate::code::{CodeKind, GlobalKind};
 use crate::compile::compiler::{Compiler, Methods};
 use crate::compile::ir::Ir;
 use crate::source::Span;
+use crate::suggest::suggest;
 use crate::symbol::{Qualifier, Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind};
 use std::collections::BTreeMap;
@@ -37,6 +38,14 @@ pub(in crate::compile) struct GoalPattern {
     elements: Vec<Option<Symbol>>,
     /// The plan that achieves it.
     plan: Symbol,
+}
+
+/// A goal that nothing has defined where it is to be achieved.
+pub(in crate::compile) struct UndefinedGoal {
+    name: Symbol,
+    span: Span,
+    /// Where names stand that are elements of it.
+    pub(in crate::compile) elements: Vec<Span>,
 }
 
 /// The goals of one name.
@@ -123,20 +132,59 @@ impl Compiler<'_> {
             (None, Some(goals)) if !goals.has_plain => {
                 let known = goals.patterns.iter().filter_map(|goal| self.symbols.name(goal.plan).strip_prefix(PREFIX));
                 let known = known.map(|goal| format!("`{goal}`")).collect::<Vec<_>>().join(", ");
-                let place = self.tree.span(goal);
-                let text = self.program.sources.text_of(place).split_whitespace().collect::<Vec<_>>().join(" ");
-                self.error("unknown-goal", place, format!("no goal is like `{text}`"), "fits none").help =
-                    Some(format!("there is {known}: words stand as they are, and something for each `?`"));
+                let meant = self.meant_word(goals, &symbols);
+                let meant =
+                    meant.map_or(String::new(), |(word, found)| format!("did you mean `{word}` for `{found}`? "));
+                let help = format!("{meant}there is {known}: words stand as they are, and something for each `?`");
+                self.unlike_goals(self.tree.span(goal), help);
                 return self.nil(written.span);
             }
-            (None, _) => {
+            (None, goals) => {
+                let is_undefined = goals.is_none();
                 let plan = format!("{PREFIX}{}", self.symbols.name(name));
-                (self.symbols.intern(&plan), elements)
+                let plan = self.symbols.intern(&plan);
+                if is_undefined {
+                    let span = self.tree.span(goal);
+                    let names = elements.iter().filter(|&&element| self.tree.symbol(element).is_some());
+                    let places = names.map(|&element| self.tree.span(element));
+                    // What a macro has made has the place of its call.
+                    let elements = places.filter(|place| *place != span && *place != written.span).collect();
+                    self.undefined_goals.entry(plan).or_insert(UndefinedGoal { name, span, elements });
+                }
+                (plan, elements)
             }
         };
         let plan = self.tree.atom(NodeKind::Symbol(plan), written.span);
         let call = self.tree.list(&[&[plan], arguments.as_slice()].concat(), written.span);
         self.resolve(call)
+    }
+
+    /// The word of a goal that one of these names was probably meant for, with that name.
+    fn meant_word(&self, goals: &Goals, names: &[Option<Symbol>]) -> Option<(&str, &str)> {
+        let as_long = goals.patterns.iter().filter(|pattern| pattern.elements.len() == names.len());
+        let mut pairs = as_long.flat_map(|pattern| pattern.elements.iter().zip(names));
+        pairs.find_map(|(word, name)| {
+            let (word, name) = (self.symbols.name((*word)?), self.symbols.name((*name)?));
+            Some((suggest(name, std::iter::once(word))?, name))
+        })
+    }
+
+    fn unlike_goals(&mut self, place: Span, help: String) {
+        let text = self.program.sources.text_of(place).split_whitespace().collect::<Vec<_>>().join(" ");
+        self.error("unknown-goal", place, format!("no goal is like `{text}`"), "fits none").help = Some(help);
+    }
+
+    /// Tells of a goal that nothing in the whole text defines.
+    pub(in crate::compile) fn tell_undefined_goal(&mut self, goal: &UndefinedGoal) {
+        let name = self.symbols.name(goal.name);
+        let known = self.goals.keys().map(|&goal| self.symbols.name(goal));
+        let help = match suggest(name, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!(
+                "say how to achieve it: `(def-goal (achieve ({name} PARAMETER...)) FORM...)`, where names are words among parameters that begin with `?`"
+            ),
+        };
+        self.unlike_goals(goal.span, help);
     }
 
     pub(super) fn define_goal(&mut self, rest: &[NodeId], span: Span) {
@@ -188,8 +236,9 @@ impl Compiler<'_> {
             let plan = format!("{PREFIX}{name}");
             return Some((self.symbols.intern(&plan), self.tree.list(&elements, span)));
         }
-        // Among words there is no other form of parameter.
-        if names.iter().any(|name| name.is_empty() || name.starts_with('&')) {
+        // Among words there is no other form of parameter; and the name of the plan tells where one ends.
+        let is_apart = |name: &str| name.contains([' ', '(', ')']);
+        if is_apart(name) || names.iter().any(|name| name.is_empty() || name.starts_with('&') || is_apart(name)) {
             return None;
         }
         let shown: Vec<&str> = names.iter().map(|name| if is_parameter(name) { "?" } else { name }).collect();

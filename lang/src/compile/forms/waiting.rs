@@ -107,12 +107,10 @@ impl Compiler<'_> {
         if is_name {
             return (self.resolve(node), false);
         }
-        let gives_fluent = self.tree.head(node).is_some_and(|head| {
-            matches!(
-                self.symbols.name(head),
-                "status" | "result" | "begin-task" | "end-task" | "pulsed" | "changed" | "fluent"
-            )
-        });
+        let gives_fluent = matches!(
+            self.head_of_language(node),
+            Some("status" | "result" | "begin-task" | "end-task" | "pulsed" | "changed" | "fluent")
+        );
         if gives_fluent {
             return (self.resolve(node), true);
         }

@@ -221,7 +221,7 @@ const DAY: &str = "(seq (:tag a (go-to 'mail-slots)) (:tag b (go-to 'a-desk)) (:
 
 /// A step of it that is not done again once it is finished.
 fn step(name: &str, form: &str) -> String {
-    format!("(:tag {name} (unless (finished? {name}) {form}))")
+    format!("(:tag {name} (library:unless (library:finished? {name}) {form}))")
 }
 
 fn go_to(place: &str) -> String {
@@ -238,20 +238,23 @@ fn each_rule_of_the_robot_gives_its_text() {
     let made = |rule: &str| ruled(rule, blocked, at_b, DAY);
     assert_eq!(made("elsewhere-meanwhile"), format!("(seq {a} {c} {b})"));
     assert_eq!(made("what-becomes-impossible-first"), format!("(seq {b} {a} {c})"));
-    let around = |tag: &str, at: &str| step(tag, &format!("(go-by-another-way (quote {at}))"));
+    let around = |tag: &str, at: &str| step(tag, &format!("(library:go-by-another-way (quote {at}))"));
     assert_eq!(
         made("another-way"),
         format!("(seq {} {} {})", around("a", "mail-slots"), around("b", "a-desk"), around("c", "c-centre"))
     );
-    assert_eq!(made("charge-before"), format!("(seq (:tag charging (charge (quote west-end) 0.95)) {a} {b} {c})"));
+    assert_eq!(
+        made("charge-before"),
+        format!("(seq (:tag charging (library:charge (quote west-end) 0.95)) {a} {b} {c})")
+    );
     assert_eq!(made("give-up-in-time"), "nil", "four of ten come through");
     let given_up = ruled("give-up-in-time", "(0.95 blocked \"\" \"\" 1)", "(\"main/b\" 1.0 1 1 1)", DAY);
     assert_eq!(
         given_up,
-        format!("(seq {a} (:tag b (give-up (quote b))) {c} (:tag end (fail given-up \"b was given up\")))")
+        format!("(seq {a} (:tag b (library:give-up (quote b))) {c} (:tag end (fail given-up \"b was given up\")))")
     );
     let asked = ruled("ask-somebody", "(0.5 grasp-failure \"\" \"\" 1)", "", "(fetch 'cup 'a-desk :patience 60)");
-    assert_eq!(asked, "(fetch-asking (quote cup) (quote a-desk) :patience 60)");
+    assert_eq!(asked, "(library:fetch-asking (quote cup) (quote a-desk) :patience 60)");
     assert_eq!(made("ask-somebody"), "nil", "nothing is missing");
     assert_eq!(ruled("position-before", "(0.5 grasp-failure \"\" \"\" 1)", "", DAY), "nil", "nobody has touched it");
 }

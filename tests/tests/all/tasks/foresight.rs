@@ -97,11 +97,11 @@ fn each_decision_is_told_with_its_figures() {
 #[test]
 fn rules_of_the_library_go_on_where_the_old_plan_was_left() {
     let resumed = "(plan-resumed '(seq (:tag a 1) (x)))";
-    check(resumed, "=> (seq (:tag a (unless (finished? a) 1)) (x))");
-    check(&format!("(plan-resumed {resumed})"), "=> (seq (:tag a (unless (finished? a) 1)) (x))");
+    check(resumed, "=> (seq (:tag a (library:unless (library:finished? a) 1)) (x))");
+    check(&format!("(plan-resumed {resumed})"), "=> (seq (:tag a (library:unless (library:finished? a) 1)) (x))");
     check(
         "(plan-resumed '(plan ((:tag a 1) (:tag b 2)) (:order b a)))",
-        "=> (plan ((:tag a (unless (finished? a) 1)) (:tag b (unless (finished? b) 2))) (:order b a))",
+        "=> (plan ((:tag a (library:unless (library:finished? a) 1)) (:tag b (library:unless (library:finished? b) 2))) (:order b a))",
     );
     // What is done when the danger is seen is not done again.
     check(
@@ -124,12 +124,12 @@ fn rules_of_the_library_go_on_where_the_old_plan_was_left() {
     let rule = |rule: &str, plan: &str| run(&format!("({rule} (make-projection) '{plan})"));
     assert_eq!(
         rule("first-step-last", "(seq (:tag a 1) (:tag b 2))"),
-        "=> (seq (:tag b (unless (finished? b) 2)) (:tag a (unless (finished? a) 1)))"
+        "=> (seq (:tag b (library:unless (library:finished? b) 2)) (:tag a (library:unless (library:finished? a) 1)))"
     );
     assert_eq!(rule("side-by-side", "(seq 1 2)"), "=> nil");
     assert_eq!(
         rule("one-after-the-other", "(par (:tag a 1) (:tag b 2))"),
-        "=> (seq (:tag a (unless (finished? a) 1)) (:tag b (unless (finished? b) 2)))"
+        "=> (seq (:tag a (library:unless (library:finished? a) 1)) (:tag b (library:unless (library:finished? b) 2)))"
     );
     assert_eq!(rule("other-way-first", "(try-in-order 1 2 3)"), "=> (try-in-order 2 3 1)");
 }
