@@ -111,7 +111,7 @@ fn names(
             DefinedKind::Failure => CompletionItemKind::CLASS,
             DefinedKind::Value => match analysis.global(name) {
                 Some(GlobalKind::Fluent) => CompletionItemKind::PROPERTY,
-                Some(GlobalKind::Valve) => CompletionItemKind::INTERFACE,
+                Some(GlobalKind::Valve { .. }) => CompletionItemKind::INTERFACE,
                 _ => CompletionItemKind::VARIABLE,
             },
         };
