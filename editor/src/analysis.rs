@@ -143,7 +143,7 @@ impl Analysis {
                 }
                 GlobalKind::Variable | GlobalKind::Constant => (NameKind::Variable, name.to_string()),
                 GlobalKind::Fluent => (NameKind::Fluent, name.to_string()),
-                GlobalKind::Valve => (NameKind::Valve, format!("(with-valve {name} FORM...)")),
+                GlobalKind::Valve { .. } => (NameKind::Valve, format!("(with-valve {name} FORM...)")),
                 GlobalKind::Behaviour(_) => return None,
             };
             return described(kind, signature, global.doc.as_deref());

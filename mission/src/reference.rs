@@ -217,7 +217,7 @@ impl Reference {
                 }
                 GlobalKind::Variable | GlobalKind::Constant => (NameKind::Variable, name.to_string()),
                 GlobalKind::Fluent => (NameKind::Fluent, name.to_string()),
-                GlobalKind::Valve => (NameKind::Valve, call("with-valve", &format!("{name} FORM..."))),
+                GlobalKind::Valve { .. } => (NameKind::Valve, call("with-valve", &format!("{name} FORM..."))),
                 GlobalKind::Behaviour(_) => continue,
             };
             self.add(name, kind, signature, known.doc.as_deref().unwrap_or_default().to_string(), "");

@@ -28,10 +28,10 @@ export class ValvesView {
     this.nothing.hidden = valves.length > 0;
     rows(this.list, valves, (valve) => valve.name, ({ name }) => element("li", { "data-valve": name },
       element("b", {}, name), element("span", { class: "holder" }), element("span", { class: "queue" })), (row, valve) => {
-      const holder = valve.holders[valve.holders.length - 1];
+      const isFree = valve.holders.length === 0;
       const waiting = line.get(valve.name) ?? [];
-      say(row.children[1], holder === undefined ? "free" : named(holder));
-      set(row, "class", holder === undefined ? "free" : "held");
+      say(row.children[1], isFree ? "free" : valve.holders.map(named).join(", "));
+      set(row, "class", isFree ? "free" : "held");
       const parts = [...valve.taken.map((id) => `taken from ${named(id)}`), ...waiting.slice(0, 5).map((task) => `${named(task.id)} waits`)];
       if (waiting.length > 5) parts.push(`and ${waiting.length - 5} more`);
       say(row.children[2], parts.join(", "));

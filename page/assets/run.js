@@ -243,15 +243,14 @@ export function why(state, id, depth = 0, said = new Set(), lines = []) {
   if (task.state === "suspended") {
     for (const by of task.by ?? []) if (state.tasks.has(by)) follow(by, "it is suspended by");
     for (const valve of state.valves.values()) {
-      const holder = valve.holders[valve.holders.length - 1];
-      if (valve.taken.some((root) => isBelow(state, id, root)) && holder !== undefined && !isBelow(state, holder, id)) {
-        follow(holder, `${valve.name} was taken from it by`);
+      if (!valve.taken.some((root) => isBelow(state, id, root))) continue;
+      for (const holder of valve.holders) {
+        if (!isBelow(state, holder, id)) follow(holder, valve.holders.length > 1 ? `${valve.name} was taken from it, and held now by` : `${valve.name} was taken from it by`);
       }
     }
   }
   const valve = task.on?.startsWith("valve ") && state.valves.get(task.on.slice(6));
-  const holder = valve && valve.holders[valve.holders.length - 1];
-  if (holder !== undefined && holder !== false && holder !== id) follow(holder, "the valve is held by");
+  for (const holder of valve ? valve.holders : []) if (holder !== id) follow(holder, "the valve is held by");
   if (task.on === "children") {
     for (const child of state.tasks.values()) {
       if (child.parent === id && lines.length < 40) why(state, child.id, depth + 1, said, lines);

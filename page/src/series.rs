@@ -206,7 +206,7 @@ pub struct Ended {
 pub struct Valve {
     /// Its name.
     pub name: String,
-    /// Tasks that hold it, the present holder last.
+    /// Tasks that have it now, one for each place that is not free.
     pub holders: Vec<usize>,
     /// Tasks it was taken away from.
     pub taken: Vec<usize>,

@@ -118,7 +118,7 @@ impl KnownName {
             GlobalKind::Variable => (NameKind::Variable.word(), value()),
             GlobalKind::Constant => ("constant", value()),
             GlobalKind::Fluent => (NameKind::Fluent.word(), fluent_value(system, number)),
-            GlobalKind::Valve => (NameKind::Valve.word(), None),
+            GlobalKind::Valve { .. } => (NameKind::Valve.word(), None),
             GlobalKind::Behaviour(_) => (NameKind::Behaviour.word(), None),
         };
         let doc = global.doc.as_deref().map(str::to_string);

@@ -6,7 +6,7 @@ use rpl_lang::code::GlobalKind;
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::state::valve::Valve;
+use rpl_runtime::state::valve_place::Place;
 use std::collections::BTreeMap;
 
 /// The tree of the living tasks: state, what each waits for, and the valves it holds.
@@ -35,12 +35,12 @@ fn task_line(system: &System<Robot>, ends_us: &WaitEnds, task: u32, whole_path: 
         Some(own) if !whole_path => own.trim_start_matches('/').to_string(),
         _ => path,
     };
-    let holder = |valve: &&Valve| valve.holders().next_back().and_then(|holder| machine.tasks.find(holder));
+    let holder = |place: &&Place| place.holders().next_back().and_then(|holder| machine.tasks.find(holder));
     let held: Vec<&str> = machine
-        .valves
+        .places
         .iter()
-        .filter(|valve| holder(valve) == Some(task))
-        .map(|valve| machine.symbols.name(valve.name))
+        .filter(|place| holder(place) == Some(task))
+        .map(|place| machine.symbols.name(machine.valves[place.valve as usize].name))
         .collect();
     let holds = if held.is_empty() { String::new() } else { format!(", holds {}", held.join(" and ")) };
     format!("{name}  {}{holds}", standing(system, ends_us, task).condition(machine.now_us))
@@ -112,12 +112,21 @@ pub fn valves(system: &System<Robot>) -> Vec<String> {
     let mut lines = Vec::new();
     for valve in &machine.valves {
         let name = machine.symbols.name(valve.name);
-        let mut holders = valve.holders().rev();
-        lines.push(match holders.next() {
-            None => format!("{name}  free"),
-            Some(holder) => format!("{name}  held by {}", path(holder)),
-        });
-        lines.extend(holders.map(|holder| format!("    before it: {}", path(holder))));
+        let places = valve.places().map(|place| &machine.places[place as usize]);
+        if valve.places > 1 {
+            let free = places.clone().filter(|place| place.holders().next().is_none()).count();
+            lines.push(format!("{name}  {free} of {} places free", valve.places));
+        }
+        for place in places {
+            let mut holders = place.holders().rev();
+            match (holders.next(), valve.places) {
+                (None, 1) => lines.push(format!("{name}  free")),
+                (Some(holder), 1) => lines.push(format!("{name}  held by {}", path(holder))),
+                (None, _) => {}
+                (Some(holder), _) => lines.push(format!("    held by {}", path(holder))),
+            }
+            lines.extend(holders.map(|holder| format!("    before it: {}", path(holder))));
+        }
         lines.extend(valve.in_line().into_iter().map(|task| format!("    in line: {}", machine.path(task))));
     }
     lines

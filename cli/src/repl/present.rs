@@ -35,8 +35,9 @@ pub fn situation(session: &Session) -> Situation {
         .valves
         .iter()
         .map(|valve| {
-            let holders = valve.holders().filter_map(path).collect();
-            let interrupted = valve.interrupted().filter_map(path).collect();
+            let places = valve.places().map(|place| &machine.places[place as usize]);
+            let holders = places.clone().flat_map(|place| place.holders()).filter_map(path).collect();
+            let interrupted = places.flat_map(|place| place.interrupted()).filter_map(path).collect();
             let standing = ValveStanding { holders, interrupted };
             (machine.symbols.name(valve.name).to_string(), standing)
         })

@@ -89,8 +89,9 @@ impl TaskView {
     }
 
     fn valve(&self, name: &str, standing: &ValveStanding) -> Valve {
-        let numbers = |paths: &[String]| paths.iter().filter_map(|path| self.number(path)).collect();
-        Valve { name: name.to_string(), holders: numbers(&standing.holders), taken: numbers(&standing.interrupted) }
+        let number = |path: &String| self.number(path);
+        let holders = standing.having().into_iter().filter_map(number).collect();
+        Valve { name: name.to_string(), holders, taken: standing.interrupted.iter().filter_map(number).collect() }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::show::events::detail;
 use crate::show::revision_story;
 use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_runtime::step::tasks::condition::FluentReading;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How deep fluents that are computed from fluents are followed.
 const MAX_DEPTH: usize = 32;
@@ -70,10 +70,26 @@ fn instant_and_rest(time_us: u64, now_us: u64) -> String {
 /// A valve.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ValveStanding {
-    /// Tasks that hold it, the present holder last.
+    /// Tasks that hold it; the present holder of a place is the last of that place.
     pub holders: Vec<String>,
     /// Tasks it was taken away from and has not come back to; they and all below them are suspended.
     pub interrupted: Vec<String>,
+}
+
+impl ValveStanding {
+    /// The tasks that have it now, one for each place that is not free. While hooks of an interruption run, who had it
+    /// last.
+    pub fn having(&self) -> Vec<&String> {
+        let interrupted: BTreeSet<&str> = self.interrupted.iter().map(String::as_str).collect();
+        let is_interrupted = |path: &str| paths_above(path).any(|above| interrupted.contains(above));
+        let having: BTreeSet<&String> = self.holders.iter().filter(|holder| !is_interrupted(holder)).collect();
+        let lending: BTreeSet<&str> = having.iter().flat_map(|holder| paths_above(holder).skip(1)).collect();
+        let mut now: Vec<&String> = having.into_iter().filter(|holder| !lending.contains(holder.as_str())).collect();
+        if now.is_empty() {
+            now.extend(self.holders.last());
+        }
+        now
+    }
 }
 
 /// The last change of a fluent.
@@ -348,6 +364,11 @@ fn keep_last<T>(list: &mut Vec<T>, most: usize) {
     if list.len() > 2 * most {
         list.drain(..list.len() - most);
     }
+}
+
+/// A path and those it lies below.
+fn paths_above(path: &str) -> impl Iterator<Item = &str> {
+    std::iter::once(path).chain(path.rmatch_indices('/').map(|(at, _)| &path[..at]))
 }
 
 /// Whether a path is another, or lies below it.

@@ -1,6 +1,6 @@
 //! Why a task waits or failed: the chain of causes.
 
-use crate::show::situation::{Ended, Revision, Situation, Standing, is_within};
+use crate::show::situation::{Ended, Revision, Situation, Standing, ValveStanding, is_within};
 use rpl_lang::suggest::suggest;
 use rpl_mission::modules;
 use rpl_runtime::step::tasks::condition::FluentReading;
@@ -120,8 +120,8 @@ fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &m
             say(lines, depth + 1, &format!("… and {more} more"));
         }
     } else if let Some(valve) = on.strip_prefix("valve ") {
-        let holder = situation.valves.get(valve).and_then(|valve| valve.holders.last());
-        if let Some(holder) = holder.filter(|holder| *holder != task) {
+        let holders = situation.valves.get(valve).map_or_else(Vec::new, ValveStanding::having);
+        for holder in holders.into_iter().filter(|holder| *holder != task).take(MAX_CHILDREN) {
             say(lines, depth + 1, "the valve is held by");
             waits(situation, holder, path, depth + 2, lines);
         }
@@ -135,11 +135,17 @@ fn waits(situation: &Situation, task: &str, above: &str, depth: usize, lines: &m
 /// The valve that was taken from a suspended task, if that is why it is suspended.
 fn taken(situation: &Situation, task: &str, depth: usize, lines: &mut Vec<String>) {
     for (name, valve) in &situation.valves {
+        if !valve.interrupted.iter().any(|root| is_within(task, root)) {
+            continue;
+        }
         // While hooks run it is still its own.
-        let holder = valve.holders.last().filter(|holder| !is_within(holder, task));
-        if let (true, Some(by)) = (valve.interrupted.iter().any(|root| is_within(task, root)), holder) {
-            let by = situation.tasks.get(by).map_or(by, |holder| &holder.path);
-            say(lines, depth, &format!("{name} was taken from it by {by}"));
+        let others = valve.having().into_iter().filter(|holder| !is_within(holder, task));
+        let others: Vec<&str> =
+            others.map(|by| situation.tasks.get(by).map_or(by.as_str(), |holder| &holder.path)).collect();
+        match others.as_slice() {
+            [] => {}
+            [by] => say(lines, depth, &format!("{name} was taken from it by {by}")),
+            several => say(lines, depth, &format!("{name} was taken from it; {} have it now", several.join(" and "))),
         }
     }
 }

@@ -140,7 +140,7 @@ fn names_of_texts(analysis: &Analysis, words: &mut Words) {
             DefinedKind::Failure => CompletionItemKind::CLASS,
             DefinedKind::Value => match analysis.global(name) {
                 Some(GlobalKind::Fluent) => CompletionItemKind::PROPERTY,
-                Some(GlobalKind::Valve) => CompletionItemKind::INTERFACE,
+                Some(GlobalKind::Valve { .. }) => CompletionItemKind::INTERFACE,
                 _ => CompletionItemKind::VARIABLE,
             },
         };

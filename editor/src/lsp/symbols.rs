@@ -57,7 +57,7 @@ fn kind_of(analysis: &crate::analysis::Analysis, name: &str, kind: DefinedKind) 
         DefinedKind::Value => match analysis.global(name) {
             Some(GlobalKind::Constant) => SymbolKind::CONSTANT,
             Some(GlobalKind::Fluent) => SymbolKind::PROPERTY,
-            Some(GlobalKind::Valve) => SymbolKind::INTERFACE,
+            Some(GlobalKind::Valve { .. }) => SymbolKind::INTERFACE,
             _ => SymbolKind::VARIABLE,
         },
     }

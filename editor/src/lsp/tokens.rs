@@ -138,7 +138,7 @@ impl<'a> Names<'a> {
                 DefinedKind::Failure => Type::Class,
                 DefinedKind::Value => match analysis.global(name) {
                     Some(GlobalKind::Fluent) => Type::Fluent,
-                    Some(GlobalKind::Valve) => Type::Robot,
+                    Some(GlobalKind::Valve { .. }) => Type::Robot,
                     _ => Type::Variable,
                 },
             };

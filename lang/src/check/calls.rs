@@ -37,7 +37,7 @@ fn global_call(check: &Check<'_>, global: u32, arguments: &[Ir], span: Span, fou
             return;
         }
         GlobalKind::Fluent => "a fluent",
-        GlobalKind::Valve => "a valve",
+        GlobalKind::Valve { .. } => "a valve",
         GlobalKind::Behaviour(_) => "a behaviour",
         GlobalKind::Variable | GlobalKind::Constant => return,
     };

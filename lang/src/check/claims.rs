@@ -237,7 +237,7 @@ impl Tasks<'_, '_> {
         let mut open = Vec::new();
         for definition in &self.check.subject.text.definitions {
             let Defined::Function(global, function) = &definition.defined else { continue };
-            unguarded(&function.body, &mut |ir| match &ir.kind {
+            unguarded(self.check, &function.body, &mut |ir| match &ir.kind {
                 IrKind::Call(Callee::Global(called), _) => callers.entry(*called).or_default().push(*global),
                 _ if self.waits.contains(&std::ptr::from_ref(ir)) => open.push(*global),
                 _ => {}
@@ -256,7 +256,7 @@ impl Tasks<'_, '_> {
 
     fn form_here(&mut self, ir: &Ir) -> Comes {
         match &ir.kind {
-            IrKind::Scope(ScopeIr::Valve { .. }, body) => {
+            IrKind::Scope(ScopeIr::Valve { valve, .. }, body) if keeps_apart(self.check, valve) => {
                 // What it starts is looked at by itself.
                 self.form(body);
                 Comes::default()
@@ -316,16 +316,24 @@ fn either(one: Comes, other: Comes) -> Comes {
     Comes { itself: one.itself || other.itself, spawned: one.spawned || other.spawned }
 }
 
+/// Whether only one task at a time can have a valve, as far as can be seen.
+fn keeps_apart(check: &Check<'_>, valve: &Ir) -> bool {
+    match valve.kind {
+        IrKind::Global(global) => !matches!(check.kind(global), GlobalKind::Valve { places: 2.. }),
+        _ => true,
+    }
+}
+
 /// Shows every form that is not held apart by a valve, itself first.
-fn unguarded<'i>(ir: &'i Ir, see: &mut dyn FnMut(&'i Ir)) {
+fn unguarded<'i>(check: &Check<'_>, ir: &'i Ir, see: &mut dyn FnMut(&'i Ir)) {
     deep(|| {
-        if matches!(ir.kind, IrKind::Scope(ScopeIr::Valve { .. }, _)) {
+        if matches!(&ir.kind, IrKind::Scope(ScopeIr::Valve { valve, .. }, _) if keeps_apart(check, valve)) {
             return;
         }
         see(ir);
         parts(ir, &mut |part| match part {
-            FormPart::Form(form) => unguarded(form, see),
-            FormPart::Function(function) => unguarded(&function.body, see),
+            FormPart::Form(form) => unguarded(check, form, see),
+            FormPart::Function(function) => unguarded(check, &function.body, see),
         });
     });
 }

@@ -95,7 +95,7 @@ impl<'a> Globals<'a> {
                 None => true,
             },
             GlobalKind::Function(_) => false,
-            GlobalKind::Fluent | GlobalKind::Valve | GlobalKind::Behaviour(_) => true,
+            GlobalKind::Fluent | GlobalKind::Valve { .. } | GlobalKind::Behaviour(_) => true,
         }
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn called_operand(check: &Check<'_>, ir: &Ir) -> Option<Diagnostic> {
         Callee::Native(_) => false,
         Callee::Global(global) => match check.kind(*global) {
             GlobalKind::Function(_) => false,
-            GlobalKind::Fluent | GlobalKind::Valve | GlobalKind::Behaviour(_) => true,
+            GlobalKind::Fluent | GlobalKind::Valve { .. } | GlobalKind::Behaviour(_) => true,
             GlobalKind::Variable | GlobalKind::Constant => is_operand,
         },
         Callee::Value(value) => match &value.kind {

@@ -179,7 +179,7 @@ pub(super) fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
         IrKind::Global(global) => match check.kind(global) {
             GlobalKind::Function(_) => Some(Found::Function),
             GlobalKind::Fluent => Some(Found::Fluent),
-            GlobalKind::Valve => Some(Found::Valve),
+            GlobalKind::Valve { .. } => Some(Found::Valve),
             GlobalKind::Behaviour(_) => Some(Found::Behaviour),
             GlobalKind::Variable | GlobalKind::Constant => None,
         },

@@ -174,6 +174,11 @@ impl<'a> Check<'a> {
         &self.subject.program.globals[global as usize].kind
     }
 
+    /// Whether a name stands for a valve that only one task can have at a time.
+    pub(super) fn is_exclusive(&self, global: u32) -> bool {
+        *self.kind(global) == GlobalKind::Valve { places: 1 }
+    }
+
     pub(super) fn constant(&self, constant: u32) -> &'a Constant {
         &self.subject.program.constants[constant as usize]
     }

@@ -19,7 +19,10 @@ pub enum GlobalKind {
     /// A fluent.
     Fluent,
     /// A valve.
-    Valve,
+    Valve {
+        /// How many tasks can have it at a time.
+        places: u32,
+    },
     /// A behaviour, by its number in the robot's table.
     Behaviour(u16),
 }

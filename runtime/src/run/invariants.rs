@@ -4,8 +4,9 @@ use crate::state::line::Line;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::slab::{Marks, NONE};
 use crate::state::task::{ScopeKind, State, Task, Waiting};
-use crate::state::valve::{Below, Link, LinkKind, NO_LINK, Valve};
+use crate::state::valve::{Below, OPEN_LINE, Valve};
 use crate::state::valve_line::ValveLine;
+use crate::state::valve_place::{Link, LinkKind, Place};
 use std::collections::BTreeMap;
 
 fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
@@ -200,30 +201,38 @@ impl Machine {
         let mut claims = 0;
         let mut links = BTreeMap::new();
         for (number, valve) in self.valves.iter().enumerate() {
-            let name = self.symbols.name(valve.name);
-            self.check_valve(number as u32, valve).map_err(|what| format!("`{name}`: {what}"))?;
-            for link in &valve.links {
+            self.check_line(number as u32, valve).map_err(|what| self.about_valve(valve, &what))?;
+        }
+        for (number, place) in self.places.iter().enumerate() {
+            let valve = self.valve_at(number as u32);
+            self.check_place(number as u32, valve, place).map_err(|what| self.about_valve(valve, &what))?;
+            for link in &place.links {
                 let is_hold = matches!(link.kind, LinkKind::Hold { .. });
                 *links.entry((link.task.index, number as u32, is_hold)).or_insert(0) += 1;
             }
-            claims += u32::from(valve.claim.is_some());
+            claims += u32::from(place.claim.is_some());
         }
-        ensure(claims == self.claims, || format!("{claims} valves are claimed, and {} are counted", self.claims))?;
+        ensure(claims == self.claims, || format!("{claims} places are claimed, and {} are counted", self.claims))?;
         let mut known = BTreeMap::new();
         for (index, task) in self.tasks.iter() {
             let Some(rare) = &task.rare else { continue };
-            rare.held.iter().for_each(|&valve| *known.entry((index, valve, true)).or_insert(0) += 1);
-            rare.marked.iter().for_each(|&valve| *known.entry((index, valve, false)).or_insert(0) += 1);
+            rare.held.iter().for_each(|&place| *known.entry((index, place, true)).or_insert(0) += 1);
+            rare.marked.iter().for_each(|&place| *known.entry((index, place, false)).or_insert(0) += 1);
             let me = self.tasks.reference(index);
-            let has_claim = |&valve: &u32| self.valves[valve as usize].claim.is_some_and(|claim| claim.root == me);
+            let has_claim = |&place: &u32| self.places[place as usize].claim.is_some_and(|claim| claim.root == me);
             ensure(rare.claimed.iter().all(has_claim), || format!("task {index} is claimed for no valve"))?;
         }
         ensure(links == known, || format!("valves have the links {links:?}, and tasks know of {known:?}"))
     }
 
-    fn check_valve(&self, number: u32, valve: &Valve) -> Result<(), String> {
-        let mut before = NO_LINK;
-        for link in &valve.links {
+    fn about_valve(&self, valve: &Valve, what: &str) -> String {
+        format!("`{}`: {what}", self.symbols.name(valve.name))
+    }
+
+    fn check_place(&self, number: u32, valve: &Valve, place: &Place) -> Result<(), String> {
+        ensure(valve.places().contains(&number), || "a place is none of its own".into())?;
+        let mut before = OPEN_LINE;
+        for link in &place.links {
             let task = self.tasks.find_alive(link.task).map(|task| &self.tasks[task]);
             ensure(task.is_some(), || "a dead task has a link of it".into())?;
             let holds = task.and_then(|task| task.rare.as_ref()).map_or(0, |rare| rare.holds);
@@ -231,13 +240,13 @@ impl Machine {
             ensure(before < link.number && link.number <= valve.last_link, || "its links have wrong numbers".into())?;
             before = link.number;
         }
-        if let Some(claim) = valve.claim {
+        if let Some(claim) = place.claim {
             let root = self.tasks.find_alive(claim.root).and_then(|root| self.tasks[root].rare.as_ref());
             ensure(root.is_some_and(|root| root.claimed.contains(&number)), || "nobody knows of its claim".into())?;
         }
-        self.check_line(number, valve)?;
-        let is_open = valve.links.is_empty() && !valve.line.is_empty() || valve.links.last().is_some_and(Link::is_mark);
-        ensure(!is_open || valve.handover.is_some(), || "it is free and somebody waits for it".into())
+        let has_waiting = valve.open().is_some() || valve.places > 1 && self.first_interrupted(place.valve).is_some();
+        let is_open = place.links.is_empty() && has_waiting || place.links.last().is_some_and(Link::is_mark);
+        ensure(!is_open || place.handover.is_some(), || "it is free and somebody waits for it".into())
     }
 
     /// The lines are those that follow from who waits.
@@ -249,14 +258,14 @@ impl Machine {
             let waits = record.is_some_and(|record| record.waiting() == Some(Waiting::Valve(number)));
             ensure(waits, || "a task stands in line that does not wait for it".into())?;
             let Some(name) = waiter.line else { continue };
-            ensure(waiter.place.priority == self.effective_priority(task), || {
+            ensure(waiter.turn.priority == self.effective_priority(task), || {
                 "a task waits with another priority than its own".into()
             })?;
-            line.enter(&self.priorities, waiter.place, task);
-            let link = self.link_above(task, number);
-            ensure(name == valve.line_of(link), || "a task stands in a wrong line".into())?;
+            line.enter(&self.priorities, waiter.turn, task);
+            let (line_above, link) = self.line_above(task, number);
+            ensure(name == line_above, || "a task stands in a wrong line".into())?;
             let below = lines.entry(name).or_insert_with(|| Below { link, line: ValveLine::default() });
-            below.line.enter(&self.priorities, waiter.place, task);
+            below.line.enter(&self.priorities, waiter.turn, task);
         }
         ensure(line == valve.line && lines == valve.lines, || "its lines are not those who wait".into())
     }

@@ -104,7 +104,7 @@ impl Library {
                 &mut program,
                 &mut symbols,
                 valve,
-                GlobalKind::Valve,
+                GlobalKind::Valve { places: 1 },
                 "A valve of the robot: whatever moves what it guards holds it.",
             );
         }

@@ -9,7 +9,7 @@ use crate::state::slab::Marks;
 use crate::state::slab::NONE;
 use crate::state::task::{Children, Decision, Leaving, Raises, Scope, ScopeKind, Swap, Task, Then, Waiting};
 use crate::state::value::{TaskRef, Value};
-use crate::state::valve::{HoldPurpose, LinkKind};
+use crate::state::valve_place::{HoldPurpose, LinkKind};
 use crate::step::exec::WINDOW;
 use rpl_lang::code::{Op, Program};
 use rpl_lang::symbol::Symbol;
@@ -188,9 +188,9 @@ impl Machine {
     }
 
     fn validate_valves(&self, bounds: &Bounds<'_>) -> Result<(), String> {
-        for valve in &self.valves {
-            self.symbol(valve.name)?;
-            for link in &valve.links {
+        for place in &self.places {
+            ensure((place.valve as usize) < self.valves.len(), "a place belongs to no valve")?;
+            for link in &place.links {
                 self.validate_reference(link.task)?;
                 if let LinkKind::Hold { count, purpose } = link.kind {
                     ensure(count > 0 && count <= MAX_COUNT, "a hold counts nothing")?;
@@ -199,18 +199,24 @@ impl Machine {
                     }
                 }
             }
-            for (&task, waiter) in &valve.waiters {
-                ensure(self.tasks.get_alive(task).is_some(), "a task that waits for a valve is not in its table")?;
-                ensure(self.priorities.knows(waiter.place.priority), "a priority is not in its table")?;
-            }
-            let lines = valve.lines.values().flat_map(|below| below.line.iter());
-            for (place, task) in valve.line.iter().chain(lines) {
-                ensure(self.priorities.knows(place.priority), "a priority is not in its table")?;
-                ensure(valve.waiters.contains_key(&task), "a line has a task that does not wait")?;
-            }
-            if let Some(claim) = valve.claim {
+            if let Some(claim) = place.claim {
                 self.validate_reference(claim.root)?;
                 ensure(self.priorities.knows(claim.priority), "a priority is not in its table")?;
+            }
+        }
+        for valve in &self.valves {
+            self.symbol(valve.name)?;
+            let last = valve.first_place.checked_add(valve.places);
+            let is_there = last.is_some_and(|last| valve.places > 0 && last as usize <= self.places.len());
+            ensure(is_there, "a valve has places that are not in their table")?;
+            for (&task, waiter) in &valve.waiters {
+                ensure(self.tasks.get_alive(task).is_some(), "a task that waits for a valve is not in its table")?;
+                ensure(self.priorities.knows(waiter.turn.priority), "a priority is not in its table")?;
+            }
+            let lines = valve.lines.values().flat_map(|below| below.line.iter());
+            for (turn, task) in valve.line.iter().chain(lines) {
+                ensure(self.priorities.knows(turn.priority), "a priority is not in its table")?;
+                ensure(valve.waiters.contains_key(&task), "a line has a task that does not wait")?;
             }
             ensure(valve.asked <= u64::MAX / 2 && valve.last_link <= u64::MAX / 2, "a counter has run out")?;
         }
@@ -265,8 +271,8 @@ impl Machine {
         ensure(rare.suspensions <= MAX_COUNT && rare.holds <= MAX_COUNT, "a counter has run out")?;
         ensure(rare.boost.is_none_or(|boost| self.priorities.knows(boost)), "a priority is not in its table")?;
         rare.suspended_by.iter().chain(&rare.hooks_before).try_for_each(|&by| self.validate_reference(by))?;
-        let mut valves = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
-        ensure(valves.all(|&valve| (valve as usize) < self.valves.len()), "there is no such valve")
+        let mut places = rare.held.iter().chain(&rare.marked).chain(&rare.claimed).chain(&rare.hooks_for);
+        ensure(places.all(|&place| (place as usize) < self.places.len()), "there is no such place of a valve")
     }
 
     fn validate_waiting(&self, bounds: &Bounds<'_>, waiting: Waiting) -> Result<(), String> {

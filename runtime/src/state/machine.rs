@@ -17,6 +17,7 @@ use crate::state::timers::Timers;
 use crate::state::trace::Trace;
 use crate::state::value::Value;
 use crate::state::valve::Valve;
+use crate::state::valve_place::Place;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbols;
 use rpl_random::Stream;
@@ -37,6 +38,8 @@ pub struct Machine {
     pub tasks: Tasks,
     /// Valves, by the order of their definition.
     pub valves: Vec<Valve>,
+    /// Their places, those of a valve one after the other.
+    pub places: Vec<Place>,
     /// Activations, by the number of the behaviour.
     pub activations: Vec<Activation>,
     /// Priorities and the run queue.
@@ -61,7 +64,7 @@ pub struct Machine {
     pub(crate) waits_for_rest: u32,
     /// How many tasks are to be given other plans as soon as nothing is in the way.
     pub(crate) swaps_pending: u32,
-    /// How many valves have somebody waiting for clean-ups or hooks to end.
+    /// How many places of valves have somebody waiting for clean-ups or hooks to end.
     pub(crate) claims: u32,
     /// Waits there have been.
     pub(crate) waits: u32,
@@ -106,6 +109,7 @@ impl Machine {
             watches: Slab::default(),
             tasks: Tasks::default(),
             valves: Vec::new(),
+            places: Vec::new(),
             activations: Vec::new(),
             priorities: Priorities::default(),
             timers: Timers::default(),

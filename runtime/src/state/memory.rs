@@ -7,8 +7,9 @@ use crate::state::task::Then;
 use crate::state::task::{Children, Frame, PlanCall, Rare, Scope, ScopeKind, Task};
 use crate::state::timers::Timer;
 use crate::state::value::{TaskRef, Value};
-use crate::state::valve::{Below, Link, Waiter};
+use crate::state::valve::{Below, Waiter};
 use crate::state::valve_line::ValveLine;
+use crate::state::valve_place::Link;
 
 /// Collections come at least so many bytes apart, where there is room.
 pub const MIN_THRESHOLD: usize = 4 << 20;
@@ -27,7 +28,7 @@ pub(crate) const EDGE: usize = 2 * size_of::<(u64, u32)>() + size_of::<u32>();
 /// Bytes of a watch.
 pub(crate) const WATCH: usize = size_of::<Option<Watch>>() + EDGE;
 
-/// Bytes of a task that waits for a valve: its request, and its places in two lines.
+/// Bytes of a task that waits for a valve: its request, and its turns in two lines.
 pub(crate) const WAITER: usize =
     entry::<(u32, Waiter)>() + 2 * entry::<(u64, u32)>() + entry::<(u64, Below)>() + size_of::<ValveLine>();
 

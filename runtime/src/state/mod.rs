@@ -31,3 +31,4 @@ pub mod trace;
 pub mod value;
 pub mod valve;
 pub mod valve_line;
+pub mod valve_place;

@@ -1,72 +1,29 @@
-//! Valves as data: the stack of links, and the lines of those who wait.
+//! Valves as data: their places, and the lines of those who wait.
 
 use crate::state::priorities::Priorities;
-use crate::state::value::TaskRef;
-use crate::state::valve_line::{LinePlace, ValveLine};
+use crate::state::valve_line::{Turn, ValveLine};
 use rpl_lang::symbol::Symbol;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// What a hold is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum HoldPurpose {
-    /// `with-valve` or `request-valve`.
-    Plan,
-    /// A behaviour drives with it.
-    Activation(u16),
-    /// Hooks run while it changes hands.
-    Hooks,
-}
+/// The first line of those who are below no link.
+pub const OPEN_LINE: u64 = 0;
 
-/// What an entry of the stack is.
+/// A link, named by its place and its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LinkKind {
-    /// The task has taken the valve.
-    Hold {
-        /// How often.
-        count: u32,
-        /// What for.
-        purpose: HoldPurpose,
-    },
-    /// The valve was taken away here, and the task and all below it are suspended.
-    Mark,
-}
-
-/// An entry of the stack.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Link {
-    /// Names it; those above it have higher numbers.
+pub struct LinkName {
+    /// The place.
+    pub place: u32,
+    /// The number.
     pub number: u64,
-    /// Whose it is.
-    pub task: TaskRef,
-    /// The line of those for whom it is the topmost link they are below.
-    pub line: u64,
-    /// What it is.
-    pub kind: LinkKind,
 }
-
-impl Link {
-    pub(crate) fn is_hold(&self) -> bool {
-        matches!(self.kind, LinkKind::Hold { .. })
-    }
-
-    pub(crate) fn is_mark(&self) -> bool {
-        !self.is_hold()
-    }
-
-    pub(crate) fn serves(&self, wanted: HoldPurpose) -> bool {
-        matches!(self.kind, LinkKind::Hold { purpose, .. } if purpose == wanted)
-    }
-}
-
-/// No link, and the first line of those who are below none.
-pub const NO_LINK: u64 = 0;
 
 /// Those who are below a link and below none above it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Below {
-    /// The link, [`NO_LINK`] for none.
-    pub link: u64,
+    /// The link; none for those who are below none, and can have any place.
+    pub link: Option<LinkName>,
     /// They, in line; never empty.
     pub line: ValveLine,
 }
@@ -74,28 +31,10 @@ pub struct Below {
 /// A task that waits for a valve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Waiter {
-    /// Its place in line.
-    pub place: LinePlace,
+    /// Its turn.
+    pub turn: Turn,
     /// The line it stands in; none while it is suspended.
     pub line: Option<u64>,
-}
-
-/// What hooks run for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Handover {
-    /// The subtree of the topmost mark is being interrupted.
-    Lend,
-    /// It is about to go on.
-    GiveBack,
-}
-
-/// A subtree whose clean-ups or hooks keep somebody waiting.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Claim {
-    /// Its root.
-    pub root: TaskRef,
-    /// The priority of who waits.
-    pub priority: u32,
 }
 
 /// A valve.
@@ -103,8 +42,10 @@ pub struct Claim {
 pub struct Valve {
     /// Its name.
     pub name: Symbol,
-    /// Holds and marks, the topmost last.
-    pub links: Vec<Link>,
+    /// The first of its places, which follow each other.
+    pub first_place: u32,
+    /// How many places it has.
+    pub places: u32,
     /// Who waits for it, by slot, the suspended ones as well.
     pub waiters: BTreeMap<u32, Waiter>,
     /// Those who wait and are not suspended.
@@ -117,37 +58,27 @@ pub struct Valve {
     pub last_link: u64,
     /// Requests that had to wait.
     pub asked: u64,
-    /// Hooks under way.
-    pub handover: Option<Handover>,
-    /// What keeps the first in line from pre-empting.
-    pub claim: Option<Claim>,
 }
 
 impl Valve {
-    /// A valve nobody holds.
-    pub fn new(name: Symbol) -> Self {
+    /// A valve nobody waits for.
+    pub fn new(name: Symbol, first_place: u32, places: u32) -> Self {
         Self {
             name,
-            links: Vec::new(),
+            first_place,
+            places,
             waiters: BTreeMap::new(),
             line: ValveLine::default(),
             lines: BTreeMap::new(),
-            open_line: NO_LINK,
-            last_link: NO_LINK,
+            open_line: OPEN_LINE,
+            last_link: OPEN_LINE,
             asked: 0,
-            handover: None,
-            claim: None,
         }
     }
 
-    /// Tasks that hold it, the present holder last. Hooks do so only for the time of a handover.
-    pub fn holders(&self) -> impl DoubleEndedIterator<Item = TaskRef> {
-        self.links.iter().filter(|link| link.is_hold() && !link.serves(HoldPurpose::Hooks)).map(|link| link.task)
-    }
-
-    /// Roots of the subtrees it was taken away from, and that are suspended for it.
-    pub fn interrupted(&self) -> impl Iterator<Item = TaskRef> {
-        self.links.iter().filter(|link| link.is_mark()).map(|link| link.task)
+    /// Its places.
+    pub fn places(&self) -> Range<u32> {
+        self.first_place..self.first_place + self.places
     }
 
     /// Slots of those who wait for it, in the order in which they are served; the suspended ones last.
@@ -156,92 +87,58 @@ impl Valve {
             .waiters
             .iter()
             .filter(|(_, waiter)| waiter.line.is_none())
-            .map(|(&task, waiter)| (waiter.place.asked, task))
+            .map(|(&task, waiter)| (waiter.turn.asked, task))
             .collect();
         suspended.sort_unstable();
         let waiting = self.line.iter().map(|(_, task)| task);
         waiting.chain(suspended.into_iter().map(|(_, task)| task)).collect()
     }
 
-    /// Whether a task has taken it and not given it back.
-    pub(crate) fn is_taken_by(&self, task: TaskRef) -> bool {
-        self.links.iter().any(|link| link.task == task && link.serves(HoldPurpose::Plan))
+    /// The line of those who are below no link.
+    pub(crate) fn open(&self) -> Option<&Below> {
+        self.lines.get(&self.open_line)
     }
 
-    /// Whether nobody has anything to do with it.
-    pub fn is_at_rest(&self) -> bool {
-        self.links.is_empty() && self.waiters.is_empty() && self.handover.is_none() && self.claim.is_none()
-    }
-
-    /// Its topmost hold and where that is.
-    pub(crate) fn top_hold(&self) -> Option<(usize, Link)> {
-        let at = self.links.iter().rposition(Link::is_hold)?;
-        Some((at, self.links[at]))
-    }
-
-    /// The topmost link, if that is a mark.
-    pub(crate) fn top_mark(&self) -> Option<Link> {
-        self.links.last().copied().filter(Link::is_mark)
-    }
-
-    pub(crate) fn push(&mut self, task: TaskRef, kind: LinkKind) -> u64 {
-        self.last_link += 1;
-        self.links.push(Link { number: self.last_link, task, line: self.last_link, kind });
-        self.last_link
-    }
-
-    /// The line of a link, or of those who are below none.
-    pub(crate) fn line_of(&self, link: u64) -> u64 {
-        match self.links.binary_search_by_key(&link, |known| known.number) {
-            Ok(at) => self.links[at].line,
-            Err(_) => self.open_line,
-        }
-    }
-
-    /// One who waits takes its place in the line of a link.
-    pub(crate) fn enter(&mut self, priorities: &Priorities, task: u32, link: u64) {
-        let number = self.line_of(link);
+    /// One who waits takes its turn in the line of a link.
+    pub(crate) fn enter(&mut self, priorities: &Priorities, task: u32, line: u64, link: Option<LinkName>) {
         let Some(waiter) = self.waiters.get_mut(&task) else { return };
-        waiter.line = Some(number);
-        self.line.enter(priorities, waiter.place, task);
-        let below = self.lines.entry(number).or_insert_with(|| Below { link, line: ValveLine::default() });
-        below.line.enter(priorities, waiter.place, task);
+        waiter.line = Some(line);
+        self.line.enter(priorities, waiter.turn, task);
+        let below = self.lines.entry(line).or_insert_with(|| Below { link, line: ValveLine::default() });
+        below.line.enter(priorities, waiter.turn, task);
     }
 
-    /// One who waits keeps its place and is passed over.
+    /// One who waits keeps its turn and is passed over.
     pub(crate) fn leave(&mut self, priorities: &Priorities, task: u32) {
         let Some(waiter) = self.waiters.get_mut(&task) else { return };
         let Some(number) = waiter.line.take() else { return };
-        self.line.leave(priorities, waiter.place);
+        self.line.leave(priorities, waiter.turn);
         if let Some(below) = self.lines.get_mut(&number) {
-            below.line.leave(priorities, waiter.place);
+            below.line.leave(priorities, waiter.turn);
             if below.line.is_empty() {
                 self.lines.remove(&number);
             }
         }
     }
 
-    /// All in one line stand in that of another link from now on; the shorter line is moved.
-    pub(crate) fn join_lines(&mut self, priorities: &Priorities, gone: u64, link: u64) {
-        let known = self.line_of(link);
-        let Some(mut longer) = self.lines.remove(&gone) else { return };
+    /// All in one line stand in that of another link from now on; the shorter line is moved. Gives the line
+    /// that is left.
+    pub(crate) fn join_lines(&mut self, priorities: &Priorities, gone: u64, known: u64, link: Option<LinkName>) -> u64 {
+        let Some(mut longer) = self.lines.remove(&gone) else { return known };
         let shorter = self.lines.remove(&known).unwrap_or_default();
         let (mut number, mut shorter) = (gone, shorter.line);
         if shorter.len() > longer.line.len() {
             number = known;
             std::mem::swap(&mut shorter, &mut longer.line);
         }
-        for (place, task) in shorter.iter() {
-            longer.line.enter(priorities, place, task);
+        for (turn, task) in shorter.iter() {
+            longer.line.enter(priorities, turn, task);
             if let Some(waiter) = self.waiters.get_mut(&task) {
                 waiter.line = Some(number);
             }
         }
         longer.link = link;
         self.lines.insert(number, longer);
-        match self.links.binary_search_by_key(&link, |known| known.number) {
-            Ok(at) => self.links[at].line = number,
-            Err(_) => self.open_line = number,
-        }
+        number
     }
 }

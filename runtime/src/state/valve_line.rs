@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Where somebody stands in a line.
+/// When somebody in a line is served.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LinePlace {
+pub struct Turn {
     /// The priority asked with.
     pub priority: u32,
     /// The how manieth request of the valve it was.
     pub asked: u64,
 }
 
-impl LinePlace {
-    /// Whether this place is served before another.
+impl Turn {
+    /// Whether this turn comes before another.
     pub fn is_before(self, other: Self, priorities: &Priorities) -> bool {
         match self.priority == other.priority {
             true => self.asked < other.asked,
@@ -53,34 +53,34 @@ impl ValveLine {
         })
     }
 
-    /// A task takes its place.
-    pub fn enter(&mut self, priorities: &Priorities, place: LinePlace, task: u32) {
-        let at = self.find(priorities, place.priority).unwrap_or_else(|at| {
-            self.equals.insert(at, Equals { priority: place.priority, waiters: BTreeMap::new() });
+    /// A task takes its turn.
+    pub fn enter(&mut self, priorities: &Priorities, turn: Turn, task: u32) {
+        let at = self.find(priorities, turn.priority).unwrap_or_else(|at| {
+            self.equals.insert(at, Equals { priority: turn.priority, waiters: BTreeMap::new() });
             at
         });
-        self.equals[at].waiters.insert(place.asked, task);
+        self.equals[at].waiters.insert(turn.asked, task);
     }
 
-    /// A place becomes free.
-    pub fn leave(&mut self, priorities: &Priorities, place: LinePlace) {
-        let Ok(at) = self.find(priorities, place.priority) else { return };
-        self.equals[at].waiters.remove(&place.asked);
+    /// A task leaves its turn.
+    pub fn leave(&mut self, priorities: &Priorities, turn: Turn) {
+        let Ok(at) = self.find(priorities, turn.priority) else { return };
+        self.equals[at].waiters.remove(&turn.asked);
         if self.equals[at].waiters.is_empty() {
             self.equals.remove(at);
         }
     }
 
     /// Whoever is served first.
-    pub fn first(&self) -> Option<(LinePlace, u32)> {
+    pub fn first(&self) -> Option<(Turn, u32)> {
         self.iter().next()
     }
 
     /// All, in the order in which they are served.
-    pub fn iter(&self) -> impl Iterator<Item = (LinePlace, u32)> {
+    pub fn iter(&self) -> impl Iterator<Item = (Turn, u32)> {
         self.equals.iter().flat_map(|equals| {
             let Equals { priority, ref waiters } = *equals;
-            waiters.iter().map(move |(&asked, &task)| (LinePlace { priority, asked }, task))
+            waiters.iter().map(move |(&asked, &task)| (Turn { priority, asked }, task))
         })
     }
 
@@ -106,11 +106,11 @@ mod tests {
         let middle = priorities.appended(0, 0, 1);
         let mut line = ValveLine::default();
         for (asked, priority) in [(1, low), (2, middle), (3, high), (4, middle), (5, 0)] {
-            line.enter(&priorities, LinePlace { priority, asked }, asked as u32);
+            line.enter(&priorities, Turn { priority, asked }, asked as u32);
         }
         let served = |line: &ValveLine| line.iter().map(|(_, task)| task).collect::<Vec<_>>();
         assert_eq!(served(&line), [3, 2, 4, 5, 1]);
-        line.leave(&priorities, LinePlace { priority: high, asked: 3 });
+        line.leave(&priorities, Turn { priority: high, asked: 3 });
         assert_eq!(served(&line), [2, 4, 5, 1]);
     }
 }

@@ -6,6 +6,7 @@ use crate::state::registers::Registers;
 use crate::state::task::{PlanCall, Scope, ScopeKind, Task};
 use crate::state::value::Value;
 use crate::state::valve::Valve;
+use crate::state::valve_place::Place;
 use rpl_lang::code::{Atom, Constant, GlobalKind, Part, Program};
 use rpl_lang::symbol::Symbol;
 
@@ -32,12 +33,9 @@ impl Machine {
             let (global, known) = (&program.globals[index as usize], self.globals[index as usize]);
             self.globals[index as usize] = match global.kind {
                 GlobalKind::Function(code) if code != u32::MAX => Value::Function(code),
-                GlobalKind::Valve => match known {
-                    Value::Valve(_) => known,
-                    _ => {
-                        self.valves.push(Valve::new(global.name));
-                        Value::Valve(self.valves.len() as u32 - 1)
-                    }
+                GlobalKind::Valve { places } => match known {
+                    Value::Valve(valve) if self.valves[valve as usize].places == places => known,
+                    _ => self.make_valve(global.name, places),
                 },
                 GlobalKind::Behaviour(number) => Value::Behaviour(number),
                 _ => match global.initial {
@@ -48,6 +46,13 @@ impl Machine {
                 },
             };
         }
+    }
+
+    fn make_valve(&mut self, name: Symbol, places: u32) -> Value {
+        let (valve, first_place) = (self.valves.len() as u32, self.places.len() as u32);
+        self.valves.push(Valve::new(name, first_place, places));
+        self.places.resize(self.places.len() + places as usize, Place::new(valve));
+        Value::Valve(valve)
     }
 
     /// What a variable or a fluent of the library is when a run begins.

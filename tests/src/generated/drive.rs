@@ -380,8 +380,11 @@ impl Run<'_> {
         if let Some((index, task)) = machine.tasks.iter().skip(1).find(|(_, task)| !task.state().is_dead()) {
             return Err(format!("main is dead and {} is {}", machine.path(index), task.state().name()));
         }
-        if let Some(valve) = machine.valves.iter().find(|valve| !valve.is_at_rest()) {
-            return Err(format!("main is dead and a valve is not free: {valve:?}"));
+        if let Some(place) = machine.places.iter().find(|place| !place.is_at_rest()) {
+            return Err(format!("main is dead and a place of a valve is not free: {place:?}"));
+        }
+        if let Some(valve) = machine.valves.iter().find(|valve| !valve.waiters.is_empty()) {
+            return Err(format!("main is dead and somebody waits for a valve: {valve:?}"));
         }
         if machine.watches.iter().next().is_some() {
             return Err("main is dead and a watch is left".into());

@@ -9,7 +9,7 @@ use super::Dice;
 
 const FLUENTS: &[&str] = &["f0", "f1", "f2", "*shared*"];
 const TIMES: &[&str] = &["0", "0.1", "0.1", "0.2", "0.5", "1"];
-const VALVES: &[&str] = &["v0", "v0", "v1", "wheels"];
+const VALVES: &[&str] = &["v0", "v0", "v1", "v2", "v3", "wheels"];
 const PLANS: &[&str] = &["p0", "p1", "p2"];
 
 /// What a function calls itself through, as deep as it is told or a limit lets it.
@@ -75,7 +75,7 @@ pub fn program(seed: u64) -> String {
     let left = 6 + dice.below(34) as i32;
     let mut writer = Writer { dice, left, names: 0, tags: Vec::new() };
     let mut text = String::from(
-        "(def-fluent f0 nil)\n(def-fluent f1 nil)\n(def-fluent f2 0)\n(def-fluent *shared* t)\n(def-valve v0)\n(def-valve v1)\n(def-queue q0 :most 2)\n\
+        "(def-fluent f0 nil)\n(def-fluent f1 nil)\n(def-fluent f2 0)\n(def-fluent *shared* t)\n(def-valve v0)\n(def-valve v1)\n(def-valve v2 2)\n(def-valve v3 3)\n(def-queue q0 :most 2)\n\
          (defvar n 2)\n(defvar kept nil)\n(defvar entries 0)\n\
          (defun note-enter () (setq entries (+ entries 1)) (%note-enter entries))\n(def-failure spilled (plan-failure) (where))\n\
          (defun both (a b) (and (value a) (value b)))\n(defun deep (k) (+ 1 (deep k)))\n",

@@ -1,4 +1,4 @@
-//! All small programs of tasks that share two valves.
+//! All small programs of tasks that share two valves, the first of them with one place or more.
 //!
 //! A program is `(par CHILD...)`. A child begins after 0, 1 or 2 seconds at priority 0, 1 or 2 and has
 //! one of the `shapes`. Programs that differ only in the order of their children count once.
@@ -41,6 +41,8 @@ pub enum Act {
 /// A program.
 #[derive(Clone, Debug)]
 pub struct Program {
+    /// How many places each of the two valves has.
+    pub places: [usize; 2],
     /// What main does.
     pub acts: Vec<Act>,
 }
@@ -48,7 +50,11 @@ pub struct Program {
 impl Program {
     /// The program as a text.
     pub fn text(&self) -> String {
-        let mut text = String::from("(def-valve v0)\n(def-valve v1)\n");
+        let mut text = String::new();
+        for (valve, places) in self.places.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "(def-valve v{valve} {places})");
+        }
         write_acts(&mut text, &self.acts);
         text
     }
@@ -172,14 +178,19 @@ fn children() -> Vec<Vec<Act>> {
     children
 }
 
-/// The programs with so many children and at most so many tasks, one after the other.
-pub fn programs(width: usize, most: usize) -> impl Iterator<Item = Program> {
+/// Each so manieth of the programs with so many children, as far as it has at most so many tasks; the first valve has
+/// so many places.
+pub fn programs(width: usize, places: usize, most: usize, every: usize) -> impl Iterator<Item = Program> {
     let children = children();
     let mut chosen = vec![0; width];
     let mut is_over = false;
+    let mut number = 0;
     std::iter::from_fn(move || {
         while !is_over {
-            let program = Program { acts: par(chosen.iter().map(|&child| children[child].clone()).collect()) };
+            let is_meant = number % every == 0;
+            number += 1;
+            let acts = || par(chosen.iter().map(|&child| children[child].clone()).collect());
+            let program = is_meant.then(|| Program { places: [places, 1], acts: acts() });
             // The next choice, not descending.
             match chosen.iter().rposition(|&child| child + 1 < children.len()) {
                 Some(at) => {
@@ -188,7 +199,7 @@ pub fn programs(width: usize, most: usize) -> impl Iterator<Item = Program> {
                 }
                 None => is_over = true,
             }
-            if program.tasks() <= most {
+            if let Some(program) = program.filter(|program| program.tasks() <= most) {
                 return Some(program);
             }
         }

@@ -199,7 +199,9 @@ fn account(system: &System<AbstractWorld<SiteModules>>, day: &Day, reached: Reac
         on_floor += u32::from(!is_nowhere && !is_at(order.from) && !is_at(order.to));
         twice += u32::from(thing.put_down > 1);
     }
-    let is_held = |valve: &&rpl_runtime::state::valve::Valve| !valve.links.is_empty();
+    let is_held = |valve: &&rpl_runtime::state::valve::Valve| {
+        valve.places().any(|place| !system.machine.places[place as usize].links.is_empty())
+    };
     let (kept, failure) = match reached {
         Reached::End(Outcome::Succeeded(Value::Int(kept))) => (kept as u32, None),
         Reached::End(Outcome::Failed(failure)) => (0, Some(system.machine.show(&system.program, failure))),

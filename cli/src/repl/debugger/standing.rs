@@ -144,8 +144,14 @@ fn fluents(system: &System<Robot>) -> Vec<Variable> {
 fn valves(system: &System<Robot>) -> Vec<Variable> {
     let machine = &system.machine;
     let holder = |valve: &rpl_runtime::state::valve::Valve| {
-        let holder = valve.holders().next_back().and_then(|holder| machine.tasks.find(holder));
-        holder.map_or_else(|| "free".to_string(), |task| format!("held by {}", machine.path(task)))
+        let last = valve.places().filter_map(|place| machine.places[place as usize].holders().next_back());
+        let holders: Vec<String> =
+            last.filter_map(|holder| machine.tasks.find(holder)).map(|task| machine.path(task)).collect();
+        match (holders.as_slice(), valve.places as usize - holders.len()) {
+            ([], _) => "free".to_string(),
+            (_, 0) => format!("held by {}", holders.join(" and ")),
+            (_, free) => format!("held by {}, {free} of {} places free", holders.join(" and "), valve.places),
+        }
     };
     machine.valves.iter().map(|valve| variable(machine.symbols.name(valve.name), holder(valve))).collect()
 }

@@ -17,6 +17,26 @@ fn causes_are_followed_from_task_to_fluent() {
     assert!(shown.out.contains("no task has the path `no-such`"), "{}", shown.out);
 }
 
+/// r[valve.places]
+#[test]
+fn the_places_of_a_valve_are_shown_with_who_has_them() {
+    let lines = "(def-valve docks 2)\n(def-fluent open? nil)\n\
+                 (spawn (with-valve docks (wait-for open?)))\n(wait-time 1)\n:valves\n\
+                 (spawn (with-valve docks (wait-for open?)))\n(spawn (with-valve docks 1))\n(wait-time 1)\n\
+                 :tasks\n:valves\n:why spawn.3\n\
+                 (spawn (with-priority 1 (with-valve docks (wait-time 9))))\n(wait-time 1)\n:why spawn.2\n";
+    let shown = session(&["repl"], lines);
+    assert!(shown.out.contains("docks  1 of 2 places free\n    held by main/spawn\n"), "{}", shown.out);
+    assert!(shown.out.contains("  spawn.2  waits for fluent open?, holds docks\n"), "{}", shown.out);
+    let full = "docks  0 of 2 places free\n    held by main/spawn\n    held by main/spawn.2\n    in line: main/spawn.3";
+    assert!(shown.out.contains(full), "{}", shown.out);
+    for holder in ["    main/spawn  waits for fluent open?", "    main/spawn.2  waits for fluent open?"] {
+        assert!(shown.out.contains(&format!("  the valve is held by\n{holder}")), "{}", shown.out);
+    }
+    let taken = "docks was taken from it; main/spawn and main/spawn.4";
+    assert!(shown.out.contains(taken), "{}", shown.out);
+}
+
 #[test]
 fn a_mission_is_stopped_looked_at_and_finished() {
     let lines = ":break (eq holding* 'mail)\n:load delivery.rpl\n:map\n:valves\n:watch (value holding*)\n:back 5s\n:delete\n:continue\n";

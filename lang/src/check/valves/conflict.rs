@@ -1,13 +1,15 @@
 //! Requests of concurrent parts that can wait for each other.
 
-use super::request::{ValveConflict, ValveRequest};
+use super::request::{SeenValve, ValveConflict, ValveRequest};
+use crate::check::known::Check;
 use crate::compile::ir::ConstructIr;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// Pairs of requests of two tasks that can wait for each other. What is held below `base` is held
-/// by the task around both, which lends it.
+/// by the task around both, which lends it. Of a valve with more places each of the two can have one.
 pub(super) fn conflicts_between<'r>(
+    check: &'r Check<'_>,
     first: &'r [ValveRequest],
     second: &'r [ValveRequest],
     base: usize,
@@ -15,15 +17,20 @@ pub(super) fn conflicts_between<'r>(
     first.iter().flat_map(move |one| {
         second
             .iter()
-            .filter(move |other| can_wait_for_each_other(one, other, base))
+            .filter(move |other| can_wait_for_each_other(check, one, other, base))
             .map(|other| ValveConflict { first: one.clone(), second: other.clone() })
     })
 }
 
-fn can_wait_for_each_other(one: &ValveRequest, other: &ValveRequest, base: usize) -> bool {
+fn can_wait_for_each_other(check: &Check<'_>, one: &ValveRequest, other: &ValveRequest, base: usize) -> bool {
     let (Some(held), Some(other_held)) = (one.held.get(base..), other.held.get(base..)) else { return false };
+    let is_exclusive = |valve: SeenValve| match valve {
+        SeenValve::Global(global) => check.is_exclusive(global),
+        SeenValve::Parameter(_) => true,
+    };
     let is_opposite = held.contains(&other.valve) && other_held.contains(&one.valve);
-    let is_guarded = held.iter().any(|valve| other_held.contains(valve));
+    let is_opposite = is_opposite && is_exclusive(one.valve) && is_exclusive(other.valve);
+    let is_guarded = held.iter().any(|&valve| other_held.contains(&valve) && is_exclusive(valve));
     let is_own = held.contains(&one.valve) || other_held.contains(&other.valve);
     if !is_opposite || is_guarded || is_own || one.after_task || other.after_task {
         return false;

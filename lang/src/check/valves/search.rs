@@ -118,7 +118,7 @@ impl<'c, 'a> Search<'c, 'a> {
     fn compare_spawned(&mut self) {
         for (requests, before, base) in std::mem::take(&mut self.spawned) {
             let later = &self.found.requests[before.min(self.found.requests.len())..];
-            self.conflicts.extend(conflicts_between(&requests, later, base));
+            self.conflicts.extend(conflicts_between(self.check, &requests, later, base));
         }
     }
 
@@ -151,7 +151,7 @@ impl<'c, 'a> Search<'c, 'a> {
                 self.form(list);
                 let requests = self.children(construct).concat();
                 // Two elements run the same body side by side.
-                self.conflicts.extend(conflicts_between(&requests, &requests, self.held.len()));
+                self.conflicts.extend(conflicts_between(self.check, &requests, &requests, self.held.len()));
                 self.merge(requests);
             }
             IrKind::Spawn(construct) => {
@@ -199,7 +199,9 @@ impl<'c, 'a> Search<'c, 'a> {
 
     fn valve(&self, ir: &Ir) -> Option<SeenValve> {
         match ir.kind {
-            IrKind::Global(global) if *self.check.kind(global) == GlobalKind::Valve => Some(SeenValve::Global(global)),
+            IrKind::Global(global) if matches!(self.check.kind(global), GlobalKind::Valve { .. }) => {
+                Some(SeenValve::Global(global))
+            }
             IrKind::Local(variable) => {
                 let position = self.parameters.iter().position(|&parameter| parameter == variable)?;
                 (self.bindings.get(variable).assignments == 0).then_some(SeenValve::Parameter(position))
@@ -358,7 +360,7 @@ impl<'c, 'a> Search<'c, 'a> {
         let children = self.children(construct);
         for (at, first) in children.iter().enumerate() {
             for (other, second) in children.iter().enumerate().skip(at + 1) {
-                let found: Vec<ValveConflict> = conflicts_between(first, second, self.held.len()).collect();
+                let found: Vec<ValveConflict> = conflicts_between(self.check, first, second, self.held.len()).collect();
                 if !found.is_empty() && !is_ordered(construct, at, other) {
                     self.conflicts.extend(found);
                 }

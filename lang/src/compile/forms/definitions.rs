@@ -17,6 +17,9 @@ use crate::symbol::Symbol;
 use crate::syntax::{NodeId, NodeKind};
 use std::sync::Arc;
 
+/// More places than this a valve does not have: to find the next one looks at all of them.
+const MAX_PLACES: u32 = 100;
+
 pub(super) const FORMS: &[SpecialForm] = &[
     SpecialForm {
         names: &["defvar"],
@@ -88,9 +91,9 @@ pub(super) const FORMS: &[SpecialForm] = &[
     },
     SpecialForm {
         names: &["def-valve"],
-        form: "(def-valve NAME [\"DOC\"])",
-        doc: "Defines a valve: a pre-emptible semaphore that guards an effector.",
-        example: "",
+        form: "(def-valve NAME [PLACES] [\"DOC\"])",
+        doc: "Defines a valve: a pre-emptible semaphore that guards an effector. So many tasks as it has places can have it at a time; without a number, one.",
+        example: "(def-valve docks 2)\n(par (with-valve docks (wait-time 1))\n     (with-valve docks (wait-time 1)))",
         layout: Some(Layout::plain(Body(1))),
         role: Role::Naming(|compiler, written, _| compiler.define_valve(written.rest(), written.span)),
     },
@@ -274,13 +277,63 @@ impl Compiler<'_> {
     }
 
     fn define_valve(&mut self, rest: &[NodeId], span: Span) {
-        let Some(name) = self.defined_name(rest.first(), "`(def-valve NAME)`", span) else { return };
-        let doc = rest.get(1).and_then(|&doc| match &self.tree.get(doc).kind {
-            NodeKind::Str(text) => Some(text.clone()),
-            _ => None,
-        });
-        self.define_global(name, GlobalKind::Valve, doc, Some(span));
+        let form = "`(def-valve NAME [PLACES] [\"DOC\"])`";
+        let Some(name) = self.defined_name(rest.first(), form, span) else { return };
+        let number = rest.get(1).filter(|&&node| !matches!(self.tree.get(node).kind, NodeKind::Str(_)));
+        let (places, rest) = match number {
+            Some(&number) => (self.places(number), &rest[2..]),
+            None => (Some(1), &rest[1..]),
+        };
+        let doc = match rest {
+            [] => None,
+            [doc] => match &self.tree.get(*doc).kind {
+                NodeKind::Str(text) => Some(text.clone()),
+                _ => {
+                    self.malformed(span, form);
+                    return;
+                }
+            },
+            _ => {
+                self.malformed(span, form);
+                return;
+            }
+        };
+        if places.is_some_and(|places| self.has_other_places(name, places, span)) {
+            return;
+        }
+        // What is wrong about a number is told once, and not of each use of the name.
+        self.define_global(name, GlobalKind::Valve { places: places.unwrap_or(1) }, doc, Some(span));
         self.note_definition(name, span, Defined::Value);
+    }
+
+    fn places(&mut self, number: NodeId) -> Option<u32> {
+        let node = self.tree.get(number);
+        let (span, text) = match node.kind {
+            NodeKind::Int(number) => {
+                let places = u32::try_from(number).ok().filter(|places| (1..=MAX_PLACES).contains(places));
+                if places.is_some() {
+                    return places;
+                }
+                (node.span, format!("a valve has from 1 to {MAX_PLACES} places, and {number} are asked for"))
+            }
+            _ => (node.span, "the places of a valve are a whole number, written out".to_string()),
+        };
+        self.error("valve-places", span, text, format!("a number from 1 to {MAX_PLACES}"));
+        None
+    }
+
+    /// Refuses a valve that is defined already with another number of places: tasks may have them.
+    fn has_other_places(&mut self, name: Symbol, places: u32, span: Span) -> bool {
+        let known = self.program.names.get(&name).map(|&global| &self.program.globals[global as usize].kind);
+        let Some(&GlobalKind::Valve { places: known }) = known else { return false };
+        if known == places {
+            return false;
+        }
+        let name = self.symbols.name(name);
+        let text = format!("`{name}` is a valve with {known} places, and it keeps them as long as the run goes on");
+        let help = format!("write {known}, or give the valve another name");
+        self.error("valve-places", span, text, format!("asks for {places}")).help = Some(help);
+        true
     }
 
     /// `(def-failure NAME (PARENT) (SLOT...))`

@@ -86,13 +86,13 @@ pub struct Rare {
     /// The priority of who waits for the clean-up or the hooks it belongs to: meanwhile it runs at
     /// least at that.
     pub boost: Option<u32>,
-    /// It runs hooks for this valve.
+    /// It runs hooks for this place of a valve.
     pub hooks_for: Option<u32>,
-    /// Valves it has taken, one for each hold.
+    /// Places of valves it has taken, one for each hold.
     pub held: Vec<u32>,
-    /// Valves that were taken away from it or from below it, and for which it is suspended.
+    /// Places of valves that were taken away from it or from below it, and for which it is suspended.
     pub marked: Vec<u32>,
-    /// Valves that somebody cannot take before the clean-ups or hooks in its subtree have ended.
+    /// Places of valves that somebody cannot take before the clean-ups or hooks in its subtree have ended.
     pub claimed: Vec<u32>,
     /// Counts suspensions of its own and of its ancestors. What runs in a clean-up of an ancestor
     /// does not count those of that ancestor and above.
@@ -370,7 +370,7 @@ impl Task {
         self.rare.as_ref().is_some_and(|rare| rare.hooks_for.is_some())
     }
 
-    /// Valves it has holds of, one for each hold.
+    /// Places of valves it has holds of, one for each hold.
     pub(crate) fn held(&self) -> &[u32] {
         self.rare.as_ref().map_or(&[], |rare| &rare.held)
     }

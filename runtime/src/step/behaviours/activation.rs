@@ -79,9 +79,8 @@ impl Machine {
             return Err(Raise::new("behaviour-failure", format!("`{}` is already activated by {path}", spec.name)));
         }
         let valve = self.valve_of(around.robot, behaviour);
-        if let Some(valve) = valve
-            && !self.holds_valve(task, valve)
-        {
+        let place = valve.and_then(|valve| self.place_had(task, valve));
+        if valve.is_some() && place.is_none() {
             let name = spec.valve.as_deref().unwrap_or_default();
             return Err(Raise::new(
                 "valve-error",
@@ -102,8 +101,8 @@ impl Machine {
             kept.push((self.tasks.reference(owner), signal));
         }
         *self.activation(behaviour) = Activation { phase: Phase::Active, task: Some(me), signal: None, kept };
-        if let Some(valve) = valve {
-            self.hold_for_activation(task, valve, behaviour);
+        if let Some(place) = place {
+            self.hold_for_activation(task, place, behaviour);
         }
         self.trace_behaviour(around, behaviour, "activated");
         self.apply_outbox(around, outbox);

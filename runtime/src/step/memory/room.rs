@@ -13,7 +13,6 @@ use crate::state::output::Output;
 use crate::state::task::{Frame, Task, Waiting};
 use crate::state::trace::Event;
 use crate::state::value::Value;
-use crate::state::valve::Valve;
 
 /// A share of the limit that is not used up: collections never come closer.
 const RESERVE: usize = 64;
@@ -97,7 +96,6 @@ impl Machine {
     /// tables' own.
     pub(crate) fn measure(&mut self, parts: usize) {
         let output: usize = self.output.iter().map(|line| size_of::<Output>() + block(line.text.len())).sum();
-        let of_valve = |valve: &Valve| valve.links.len() * LINK + valve.waiters.len() * WAITER;
         let events: usize = self.trace.events.iter().map(Event::bytes).sum();
         self.heap.live = parts
             + self.heap.bytes()
@@ -108,7 +106,8 @@ impl Machine {
             + self.priorities.bytes()
             + self.symbols.bytes()
             + (self.globals.len() + self.constants.len()) * size_of::<Value>()
-            + self.valves.iter().map(of_valve).sum::<usize>()
+            + self.places.iter().map(|place| place.links.len() * LINK).sum::<usize>()
+            + self.valves.iter().map(|valve| valve.waiters.len() * WAITER).sum::<usize>()
             + self.unit_bytes
             + output
             + events

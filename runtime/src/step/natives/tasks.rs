@@ -142,7 +142,7 @@ fn evaporate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     if call.machine.tasks.find_alive(task).is_none() {
         return Ok(Reply::Value(Value::Nil));
     }
-    call.machine.check_circle(call.around.program, current, index, Waiting::Death(index))?;
+    call.machine.check_circle(call.around.program, current, Waiting::Death(index))?;
     call.machine.join_line(current, index, |rare| &mut rare.mourners);
     call.machine.tasks[current].wait(Waiting::Death(index));
     Ok(Reply::Wait)

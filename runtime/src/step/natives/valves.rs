@@ -50,8 +50,7 @@ fn request(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 fn release(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let valve = valve(call)?;
     let current = call.machine.current;
-    let me = call.machine.tasks.reference(current);
-    if !call.machine.valves[valve as usize].is_taken_by(me) {
+    if call.machine.place_taken_by(current, valve).is_none() {
         let name = call.machine.valve_name(valve);
         return Err(Raise::new("valve-error", format!("this task does not hold the valve `{name}`")));
     }

@@ -3,6 +3,8 @@
 //!
 //! The search for a circle goes from both ends by turns, from the one that has cost less: who is waited
 //! for, and who waits. It is over when either has nobody left, so that a crowd on one side costs nothing.
+//! Who waits for a valve of several places can do with any of them: a circle that is found is one only if every way
+//! out of it leads back.
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
@@ -10,6 +12,7 @@ use crate::state::slab::NONE;
 use crate::state::task::{Leaving, ScopeKind, State, Waiting};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
+use crate::step::tasks::needs::Needs;
 use rpl_lang::code::Program;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,8 +24,8 @@ struct End {
 }
 
 impl End {
-    fn at(task: u32) -> Self {
-        Self { seen: BTreeSet::from([task]), waiting: vec![task], cost: 0 }
+    fn at(tasks: Vec<u32>) -> Self {
+        Self { seen: tasks.iter().copied().collect(), waiting: tasks, cost: 0 }
     }
 
     /// Notes tasks next to one; tells whether the other end has seen one of them.
@@ -36,28 +39,33 @@ impl End {
 }
 
 impl Machine {
-    /// A wait of `task` for `first` that would close a circle of waiting is a `deadlock`.
-    pub(crate) fn check_circle(&self, program: &Program, task: u32, first: u32, what: Waiting) -> Result<(), Raise> {
-        let (mut ahead, mut behind) = (End::at(first), End::at(task));
-        let mut is_closed = task == first;
+    /// A wait that would close a circle of waiting is a `deadlock`.
+    pub(crate) fn check_circle(&self, program: &Program, task: u32, what: Waiting) -> Result<(), Raise> {
+        let first = self.awaited(task, what);
+        let (mut ahead, mut behind) = (End::at(first.tasks()), End::at(vec![task]));
+        let mut is_closed = ahead.seen.contains(&task);
         while !is_closed {
             let (Some(&next), Some(&before)) = (ahead.waiting.last(), behind.waiting.last()) else { return Ok(()) };
             is_closed = if ahead.cost + self.crowd_ahead(next) <= behind.cost + self.crowd_behind(before) {
                 ahead.waiting.pop();
-                ahead.go_to(self.must_happen_first(next), &behind)
+                ahead.go_to(self.must_happen_first(next).tasks(), &behind)
             } else {
                 behind.waiting.pop();
                 behind.go_to(self.who_waits_for(before), &ahead)
             };
         }
-        Err(Raise::new("deadlock", self.describe_circle(program, task, first, what)))
+        let tasks = first.tasks();
+        if self.can_go_on(task, first) {
+            return Ok(());
+        }
+        Err(Raise::new("deadlock", self.describe_circle(program, task, tasks, what)))
     }
 
-    fn describe_circle(&self, program: &Program, task: u32, first: u32, what: Waiting) -> String {
-        let mut came_from = BTreeMap::from([(first, NONE)]);
-        let mut waiting = vec![first];
+    fn describe_circle(&self, program: &Program, task: u32, first: Vec<u32>, what: Waiting) -> String {
+        let mut came_from: BTreeMap<u32, u32> = first.iter().map(|&first| (first, NONE)).collect();
+        let mut waiting: Vec<u32> = first.into_iter().rev().collect();
         while let Some(at) = waiting.pop().filter(|&at| at != task) {
-            for next in self.must_happen_first(at).into_iter().rev() {
+            for next in self.must_happen_first(at).tasks().into_iter().rev() {
                 came_from.entry(next).or_insert_with(|| {
                     waiting.push(next);
                     at
@@ -68,7 +76,7 @@ impl Machine {
         let (mut at, mut next) = (came_from.get(&task).copied().unwrap_or(NONE), task);
         while at != NONE {
             let record = &self.tasks[at];
-            parts.push(if record.is_held() && self.suspending(at).contains(&next) {
+            parts.push(if record.is_held() && self.suspending(at).tasks().contains(&next) {
                 format!("{} is suspended by {}", self.path(at), self.path(next))
             } else {
                 format!("{} waits for {}", self.path(at), self.describe(program, record.waiting()))
@@ -81,27 +89,34 @@ impl Machine {
     }
 
     /// The tasks without whose going on this one cannot go on.
-    fn must_happen_first(&self, task: u32) -> Vec<u32> {
+    pub(super) fn must_happen_first(&self, task: u32) -> Needs {
         let record = &self.tasks[task];
-        let mut first = if record.is_held() { self.suspending(task) } else { Vec::new() };
-        first.extend(record.waiting().into_iter().flat_map(|waiting| self.awaited(task, waiting)));
+        let mut first = if record.is_held() { self.suspending(task) } else { Needs::default() };
+        if let Some(waiting) = record.waiting() {
+            first.add(self.awaited(task, waiting));
+        }
         first
     }
 
     /// The tasks that only by going on let one that is suspended go on: those that have a valve which was taken away
-    /// from it or from around it, and those whose forms suspend it.
-    fn suspending(&self, task: u32) -> Vec<u32> {
-        let mut found = Vec::new();
+    /// from it or from around it, and those whose forms suspend it. An owner can have any place of its valve.
+    fn suspending(&self, task: u32) -> Needs {
+        let mut found = Needs::default();
         let mut reaches = Some(task);
         while let Some(at) = reaches.filter(|&at| self.tasks[at].stop() > 0) {
             let record = &self.tasks[at];
             let me = self.tasks.reference(at);
-            for &valve in record.rare.iter().flat_map(|rare| &rare.marked) {
-                let links = self.valves[valve as usize].links.iter();
+            for &place in record.rare.iter().flat_map(|rare| &rare.marked) {
+                if self.has_more_places(place) && !self.is_lent_to(at, place) {
+                    found.any.push(self.holders_of(self.valve_of_place(place)));
+                    continue;
+                }
+                let links = self.places[place as usize].links.iter();
                 let above = links.skip_while(|link| !(link.is_mark() && link.task == me));
-                found.extend(above.filter(|link| link.is_hold()).filter_map(|hold| self.tasks.find_alive(hold.task)));
+                let holds = above.filter(|link| link.is_hold());
+                found.all.extend(holds.filter_map(|hold| self.tasks.find_alive(hold.task)));
             }
-            found.extend(
+            found.all.extend(
                 record.rare.iter().flat_map(|rare| &rare.suspended_by).filter_map(|&by| self.tasks.find_alive(by)),
             );
             reaches = self.suspends_with_it(at);
@@ -109,11 +124,21 @@ impl Machine {
         found
     }
 
+    /// The tasks that have a valve's places now or had them last.
+    fn holders_of(&self, valve: u32) -> Vec<u32> {
+        self.valves[valve as usize].places().filter_map(|place| self.holder_of(place)).collect()
+    }
+
     /// The tasks without whose going on a wait does not end.
-    fn awaited(&self, task: u32, waiting: Waiting) -> Vec<u32> {
+    fn awaited(&self, task: u32, waiting: Waiting) -> Needs {
         let record = &self.tasks[task];
-        match waiting {
-            Waiting::Valve(valve) => self.holder_of(valve).into_iter().collect(),
+        let all = match waiting {
+            Waiting::Valve(valve) => {
+                let entry = &self.valves[valve as usize];
+                let place = if entry.places == 1 { Some(entry.first_place) } else { self.place_above(task, valve) };
+                let Some(place) = place else { return Needs { all: Vec::new(), any: vec![self.holders_of(valve)] } };
+                self.holder_of(place).into_iter().collect()
+            }
             Waiting::Death(other) | Waiting::Rest(other) | Waiting::Swap(other) | Waiting::Hooks(other) => {
                 self.tasks.get_alive(other).map(|_| other).into_iter().collect()
             }
@@ -127,7 +152,8 @@ impl Machine {
             | Waiting::Time
             | Waiting::Signal(_)
             | Waiting::Answer => Vec::new(),
-        }
+        };
+        Needs { all, any: Vec::new() }
     }
 
     /// Whether a task that waits for children can do without none of them.
@@ -166,8 +192,8 @@ impl Machine {
         }
         if let Some(rare) = &record.rare {
             found.extend([rare.mourners, rare.resters].iter().flat_map(|line| line.tasks(&self.tasks)));
-            let held = rare.held.iter().filter(|&&valve| self.holder_of(valve) == Some(task));
-            found.extend(held.flat_map(|&valve| self.valves[valve as usize].waiters.keys().copied()));
+            let held = rare.held.iter().filter(|&&place| self.holder_of(place) == Some(task));
+            found.extend(held.flat_map(|&place| self.valve_at(place).waiters.keys().copied()));
         }
         found
     }
@@ -178,6 +204,7 @@ impl Machine {
         match (record.waiting(), record.scopes.last().map(|scope| &scope.kind)) {
             (Some(Waiting::Children), Some(ScopeKind::Children(children))) => children.alive as usize,
             (Some(Waiting::Spawned), Some(ScopeKind::Call(call))) => call.spawned as usize,
+            (Some(Waiting::Valve(valve)), _) => self.valves[valve as usize].places as usize,
             _ => 1,
         }
     }
@@ -186,11 +213,11 @@ impl Machine {
     /// search goes on from the other end.
     fn crowd_behind(&self, task: u32) -> usize {
         let Some(rare) = &self.tasks[task].rare else { return 1 };
-        let is_below = |valve: u32| self.valves[valve as usize].interrupted().next().is_some();
-        if rare.suspends > 0 || rare.held.iter().any(|&valve| is_below(valve)) {
+        let has_interrupted = |place: u32| self.places[place as usize].interrupted().next().is_some();
+        if rare.suspends > 0 || rare.held.iter().any(|&place| self.valve_at(place).places().any(has_interrupted)) {
             return usize::MAX / 4;
         }
-        let in_lines = rare.held.iter().map(|&valve| self.valves[valve as usize].waiters.len());
+        let in_lines = rare.held.iter().map(|&place| self.valve_at(place).waiters.len());
         1 + rare.in_lines as usize + in_lines.sum::<usize>()
     }
 

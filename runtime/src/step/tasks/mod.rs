@@ -5,6 +5,7 @@ mod deadlock;
 mod death;
 mod evaporation;
 mod finished;
+mod needs;
 pub(crate) mod path;
 mod scheduling;
 mod stall;

@@ -9,7 +9,7 @@ use crate::state::slab::NONE;
 use crate::state::stack::Stack;
 use crate::state::task::{Frame, Leaving, ScopeKind, State, Swap, Task, Then, Waiting, Wake};
 use crate::state::value::{TaskRef, Value};
-use crate::state::valve::{HoldPurpose, LinkKind};
+use crate::state::valve_place::{HoldPurpose, LinkKind};
 use crate::step::native::{Reply, Surroundings};
 use crate::step::tasks::unwind::Unwound;
 use rpl_lang::code::{Op, Program};
@@ -79,7 +79,7 @@ impl Machine {
     fn wait_for_plan(&mut self, around: &Surroundings<'_>, task: u32, is_own: bool) -> Result<(), Raise> {
         let current = self.current;
         if !is_own {
-            self.check_circle(around.program, current, task, Waiting::Swap(task))?;
+            self.check_circle(around.program, current, Waiting::Swap(task))?;
         }
         self.join_line(current, task, |rare| &mut rare.mourners);
         self.tasks[current].wait(Waiting::Swap(task));
@@ -256,7 +256,7 @@ impl Machine {
     fn wait_to_revise(&mut self, around: &Surroundings<'_>, task: u32, is_own: bool) -> Result<Reply, Raise> {
         let current = self.current;
         if !is_own {
-            self.check_circle(around.program, current, task, Waiting::Rest(task))?;
+            self.check_circle(around.program, current, Waiting::Rest(task))?;
         }
         self.join_line(current, task, |rare| &mut rare.resters);
         self.tasks[current].wait(Waiting::Rest(task));
@@ -268,23 +268,28 @@ impl Machine {
     /// that it has to give back if the new plan does not.
     fn keep_valves(&mut self, task: u32, valves: Vec<u32>) -> Result<Vec<u32>, Raise> {
         let valves: BTreeSet<u32> = valves.into_iter().collect();
-        let is_there = |machine: &Self, valve: u32| machine.holds_valve(task, valve) || machine.tops_below(task, valve);
-        if let Some(&valve) = valves.iter().find(|&&valve| !is_there(self, valve)) {
+        let is_there = |valve: u32| self.holds_valve(task, valve) || self.place_had_below(task, valve).is_some();
+        if let Some(&valve) = valves.iter().find(|&&valve| !is_there(valve)) {
             let (path, name) = (self.path(task), self.valve_name(valve));
             return Err(Raise::new(
                 "valve-error",
                 format!("neither {path} nor a task below it holds the valve `{name}` now, so it cannot be kept"),
             ));
         }
-        let taken: Vec<u32> = valves.into_iter().filter(|&valve| self.tops_below(task, valve)).collect();
-        taken.iter().for_each(|&valve| self.take(task, valve, HoldPurpose::Plan));
+        let place_of = |&valve: &u32| Some((valve, self.place_had_below(task, valve)?));
+        let (taken, places): (Vec<u32>, Vec<u32>) = valves.iter().filter_map(place_of).unzip();
+        places.into_iter().for_each(|place| self.take(task, place, HoldPurpose::Plan));
         Ok(taken)
     }
 
-    /// Whether a task or one below it has a valve now.
-    fn tops_below(&self, task: u32, valve: u32) -> bool {
-        let top = self.valves[valve as usize].links.last().filter(|link| link.is_hold());
-        top.and_then(|hold| self.tasks.find(hold.task)).is_some_and(|holder| self.is_within(holder, task))
+    /// The place of a valve that a task has now, itself or by lending it, or else the first that one below it has.
+    fn place_had_below(&self, task: u32, valve: u32) -> Option<u32> {
+        let is_had = |&place: &u32| {
+            let top = self.places[place as usize].links.last().filter(|link| link.is_hold());
+            top.and_then(|hold| self.tasks.find(hold.task)).is_some_and(|holder| self.is_within(holder, task))
+        };
+        let own = self.place_taken_by(task, valve);
+        own.filter(is_had).or_else(|| self.valves[valve as usize].places().find(is_had))
     }
 
     /// A task that may be revised begins to leave its plan for another. One that has not started starts
@@ -338,8 +343,9 @@ impl Machine {
     fn give_back_valves(&mut self, around: &mut Surroundings<'_>, task: u32, kept: &[u32]) {
         let me = self.tasks.reference(task);
         let held: BTreeSet<u32> = self.tasks[task].held().iter().copied().collect();
-        for valve in held {
-            let links = &mut self.valves[valve as usize].links;
+        for place in held {
+            let valve = self.valve_of_place(place);
+            let links = &mut self.places[place as usize].links;
             let mut own: Vec<usize> = (0..links.len())
                 .rev()
                 .filter(|&at| links[at].task == me && links[at].serves(HoldPurpose::Plan))
@@ -350,7 +356,7 @@ impl Machine {
             {
                 *count = 1;
             }
-            own.into_iter().for_each(|at| self.remove_link(valve, at));
+            own.into_iter().for_each(|at| self.remove_link(place, at));
             self.stir(around, valve);
         }
     }

@@ -155,8 +155,8 @@ impl Machine {
         let mut reaches = Some(task);
         while let Some(at) = reaches.filter(|&at| self.tasks[at].stop() > 0) {
             let record = &self.tasks[at];
-            for &valve in record.rare.iter().flat_map(|rare| &rare.marked) {
-                let entry = &self.valves[valve as usize];
+            for &place in record.rare.iter().flat_map(|rare| &rare.marked) {
+                let entry = &self.places[place as usize];
                 let hooks = entry.handover.and(entry.top_hold()).and_then(|(_, hold)| self.tasks.find_alive(hold.task));
                 if let Some(hooks) = hooks.filter(|&hooks| self.tasks[hooks].parent == at) {
                     return Some((at, hooks));

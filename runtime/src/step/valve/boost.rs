@@ -2,8 +2,8 @@
 
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::valve::Claim;
-use crate::state::valve_line::LinePlace;
+use crate::state::valve_line::Turn;
+use crate::state::valve_place::Claim;
 use crate::step::native::Surroundings;
 
 /// Changes of a boost while valves are served, before it only rises.
@@ -12,28 +12,27 @@ const MAX_BOOST_CHANGES: u32 = 16;
 impl Machine {
     /// What keeps the first in line waiting runs at its priority: a subtree with clean-ups, or one
     /// whose hooks run.
-    pub(crate) fn set_claim(&mut self, valve: u32, blocked: Option<(LinePlace, u32)>) {
-        let entry = &self.valves[valve as usize];
+    pub(crate) fn set_claim(&mut self, place: u32, blocked: Option<(Turn, u32)>) {
+        let entry = &self.places[place as usize];
+        let line = &self.valves[entry.valve as usize].line;
         let with_hooks = entry.handover.and(entry.links.iter().rev().find(|link| link.is_mark()));
-        let claim = match (with_hooks, entry.line.first(), blocked) {
+        let claim = match (with_hooks, line.first(), blocked) {
             (Some(mark), Some((first, _)), _) => Some(Claim { root: mark.task, priority: first.priority }),
-            (None, _, Some((place, root))) => {
-                Some(Claim { root: self.tasks.reference(root), priority: place.priority })
-            }
+            (None, _, Some((turn, root))) => Some(Claim { root: self.tasks.reference(root), priority: turn.priority }),
             (Some(_), None, _) | (None, _, None) => None,
         };
-        let before = std::mem::replace(&mut self.valves[valve as usize].claim, claim);
+        let before = std::mem::replace(&mut self.places[place as usize].claim, claim);
         if before == claim {
             return;
         }
         if let Some(root) = before.and_then(|claim| self.tasks.find(claim.root)) {
             self.claims -= 1;
-            self.tasks[root].rare().claimed.retain(|&known| known != valve);
+            self.tasks[root].rare().claimed.retain(|&known| known != place);
             self.refresh_boosts(root);
         }
         if let Some(root) = claim.and_then(|claim| self.tasks.find(claim.root)) {
             self.claims += 1;
-            self.tasks[root].rare().claimed.push(valve);
+            self.tasks[root].rare().claimed.push(place);
             self.refresh_boosts(root);
         }
     }
@@ -43,7 +42,7 @@ impl Machine {
         let mut at = task;
         while self.claims > 0 && at != NONE {
             if let Some(rare) = &self.tasks[at].rare {
-                self.scratch.restless.extend(&rare.claimed);
+                self.scratch.restless.extend(rare.claimed.iter().map(|&place| self.places[place as usize].valve));
             }
             at = self.tasks[at].parent;
         }
@@ -66,7 +65,7 @@ impl Machine {
             let record = &self.tasks[at];
             is_in_the_way |= record.named_as_hook();
             if let (true, Some(rare)) = (is_in_the_way, &record.rare) {
-                for claim in rare.claimed.iter().filter_map(|&valve| self.valves[valve as usize].claim) {
+                for claim in rare.claimed.iter().filter_map(|&place| self.places[place as usize].claim) {
                     due = Some(due.map_or(claim.priority, |due| self.priorities.higher(due, claim.priority)));
                 }
             }
@@ -103,7 +102,8 @@ impl Machine {
         }
         // Its priority counts for those who want its valves.
         let rare = self.tasks[task].rare();
-        self.scratch.restless.extend(rare.held.iter().chain(&rare.marked));
+        let valves = rare.held.iter().chain(&rare.marked).map(|&place| self.places[place as usize].valve);
+        self.scratch.restless.extend(valves);
         self.scratch.switch = true;
     }
 

@@ -4,15 +4,17 @@ use crate::state::machine::Machine;
 use crate::state::registers::Registers;
 use crate::state::task::{ScopeKind, State, Task};
 use crate::state::value::Value;
-use crate::state::valve::{Handover, HoldPurpose};
+use crate::state::valve_place::{Handover, HoldPurpose};
 use crate::step::native::Surroundings;
 use std::collections::BTreeSet;
 
 impl Machine {
     /// Closures of the active hooks of a subtree, innermost first, but for what is interrupted
     /// already.
-    pub(crate) fn hooks_of(&self, root: u32, valve: u32, on_interrupt: bool) -> Vec<Value> {
-        let marks = self.valves[valve as usize].interrupted().filter_map(|mark| self.tasks.find(mark));
+    pub(crate) fn hooks_of(&self, root: u32, place: u32, on_interrupt: bool) -> Vec<Value> {
+        let places = self.valves[self.valve_of_place(place) as usize].places();
+        let marks = places.flat_map(|place| self.places[place as usize].interrupted());
+        let marks = marks.filter_map(|mark| self.tasks.find(mark));
         let interrupted: BTreeSet<u32> = marks.filter(|&mark| mark != root).collect();
         let mut hooks = Vec::new();
         let mut waiting = vec![(root, false)];
@@ -32,31 +34,31 @@ impl Machine {
         hooks
     }
 
-    /// Runs hooks in a task of their own below the subtree's root, which holds the valve meanwhile.
+    /// Runs hooks in a task of their own below the subtree's root, which holds the place meanwhile.
     /// Tells whether there is anything to run.
     pub(crate) fn start_hooks(
         &mut self,
         around: &mut Surroundings<'_>,
         root: u32,
-        valve: u32,
+        place: u32,
         hooks: &[Value],
         handover: Handover,
     ) -> bool {
         let runner = self.symbols.find("%run-hooks").and_then(|name| around.program.names.get(&name));
         let runner = runner.map(|&global| self.globals[global as usize]);
         let (Some(Value::Function(code)), false) = (runner, hooks.is_empty()) else { return false };
-        self.valves[valve as usize].handover = Some(handover);
+        self.places[place as usize].handover = Some(handover);
         let list = self.heap.list(hooks);
         let name = self.symbols.intern("hooks");
         let registers = self.tasks.registers.set(Registers::default(), &[list]);
         let mut task = Task::new(code, registers, name, self.tasks[root].priority);
         task.priority_depth = self.tasks[root].priority_depth;
-        task.rare().hooks_for = Some(valve);
+        task.rare().hooks_for = Some(place);
         task.occurrence = self.count_use(root, name);
         let index = self.tasks.insert(task);
         self.adopt(root, self.tasks[root].scopes.len() as u32, index);
-        self.take(index, valve, HoldPurpose::Hooks);
-        self.set_claim(valve, None);
+        self.take(index, place, HoldPurpose::Hooks);
+        self.set_claim(place, None);
         self.make_ready(index);
         self.trace_task_begin(index);
         true
@@ -64,14 +66,14 @@ impl Machine {
 
     /// If the task ran hooks, the valve changes hands now.
     pub(crate) fn hooks_ended(&mut self, around: &mut Surroundings<'_>, task: u32) {
-        let Some(valve) = self.tasks[task].rare.as_ref().and_then(|rare| rare.hooks_for) else { return };
+        let Some(place) = self.tasks[task].rare.as_ref().and_then(|rare| rare.hooks_for) else { return };
         if self.tasks[task].state() == State::Failed {
             let failure = *self.tasks[task].value();
             self.warn_of_failure(around.program, failure, "in a hook");
         }
-        if self.valves[valve as usize].handover.take() == Some(Handover::GiveBack) {
-            self.lift_mark(around, valve);
+        if self.places[place as usize].handover.take() == Some(Handover::GiveBack) {
+            self.lift_mark(around, place);
         }
-        self.stir(around, valve);
+        self.stir(around, self.valve_of_place(place));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! # The rule
 //!
-//! A valve is a stack. A *hold* says that a task has taken the valve; a *mark* above holds says that
+//! A valve has places, an ordinary one a single place. A place is a stack. A *hold* says that a task has taken it; a *mark* above holds says that
 //! the valve was taken away there, and names the root of the subtree that has been suspended for it.
 //! The topmost hold is the *holder's*, as long as no mark lies above it.
 //!
@@ -30,6 +30,11 @@
 //! - **Hooks.** Between the mark and the requester's hold, and before the mark goes away, the hooks
 //!   of the subtree run in a task that holds the valve meanwhile; nothing else is served. Scopes in
 //!   a subtree that is interrupted already have had their turn.
+//! - **Places.** A task belongs to the place of the nearest task from itself upwards that has a link anywhere in the
+//!   valve, and all above holds for it there. Who belongs to none can have any: a free one, where no owner is left that
+//!   could use it, or else that whose holder is least important. An interrupted owner can have any free place too: then
+//!   the links of its subtree go there, in their order, and come under its own rule again. A place about to be lent
+//!   while hooks run counts for the first of those who belong to none, so that nobody takes two.
 //! - **One decision is one.** What a construct ends, it ends before any valve goes on to somebody.
 //!
 //! # Cost
@@ -37,10 +42,13 @@
 //! A request, a release and a death cost the logarithm of the number of waiters, times the depth of
 //! the task in the tree. To find the first who can have a valve looks at the first in line and at the
 //! first of those below the holder; only while somebody waits for a clean-up to end are there more:
-//! the first in each line, and those of the lines of lenders above the holder who could pre-empt it.
+//! the first in each line, and those of the lines of lenders above the holder who could pre-empt it. A valve with more
+//! places costs so many times as much, and therefore has few.
 
 mod boost;
 mod hooks;
 mod links;
+mod places;
 mod request;
 mod serving;
+mod way;

@@ -101,7 +101,12 @@ impl Model<'_> {
         self.tell(task, how);
         for valve in &mut self.valves {
             valve.asked.retain(|&other| other != task);
-            valve.facts.retain(|fact| !matches!(*fact, Fact::Has(other, _) | Fact::TakenAway(other) if other == task));
+            for place in &mut valve.places {
+                place.facts.retain(|fact| {
+                    let (Fact::Has(other, _) | Fact::TakenAway(other, _)) = *fact;
+                    other != task
+                });
+            }
         }
         match self.tasks[task].parent {
             Some(parent) => self.as_one(|model| model.child_ended(parent, how)),

@@ -1,6 +1,6 @@
 //! The rules of tasks and valves once more, to compare the runtime with: small, slow, and read off the
-//! reference. Nothing here is shared with the runtime. A valve is a list of facts, and who may have it
-//! is found by asking everybody, each time anew.
+//! reference. Nothing here is shared with the runtime. A place of a valve is a list of facts, and who may have
+//! it is found by asking everybody, each time anew.
 
 mod ends;
 mod steps;
@@ -107,16 +107,24 @@ struct Task<'p> {
     turn: i64,
 }
 
-/// A fact about a valve, the latest last.
+/// A fact about a place of a valve, the latest last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fact {
     Has(Id, usize),
-    TakenAway(Id),
+    /// With the number of the event.
+    TakenAway(Id, u64),
+}
+
+#[derive(Clone, Debug, Default)]
+struct Place {
+    facts: Vec<Fact>,
+    /// The number of the event by which its owner got it.
+    since: u64,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Valve {
-    facts: Vec<Fact>,
+    places: Vec<Place>,
     /// In the order of asking.
     asked: Vec<Id>,
 }
@@ -129,6 +137,7 @@ pub struct Model<'p> {
     timers: Vec<(u64, Id)>,
     now: u64,
     turns: i64,
+    events: u64,
     running: Option<Id>,
     decisions: usize,
     serving: bool,
@@ -141,10 +150,14 @@ impl<'p> Model<'p> {
     pub fn new(program: &'p Program) -> Self {
         let mut model = Self {
             tasks: Vec::new(),
-            valves: vec![Valve::default(); 2],
+            valves: program
+                .places
+                .map(|count| Valve { places: vec![Place::default(); count], asked: Vec::new() })
+                .into(),
             timers: Vec::new(),
             now: 0,
             turns: 0,
+            events: 0,
             running: None,
             decisions: 0,
             serving: false,
@@ -152,6 +165,11 @@ impl<'p> Model<'p> {
         };
         model.begin(None, false, Vec::new(), &program.acts);
         model
+    }
+
+    fn next_event(&mut self) -> u64 {
+        self.events += 1;
+        self.events
     }
 
     fn tell(&mut self, task: Id, what: What) {

@@ -160,12 +160,8 @@ impl<'p> Model<'p> {
         // The body stands below the hold until it is there.
         self.tasks[task].frames.push(Frame::Acts(acts));
         self.tasks[task].life = Life::Blocked(On::Valve(valve));
-        let facts = &self.valves[valve].facts;
-        let is_free = facts.is_empty()
-            || self.interrupted(valve).is_empty()
-                && self.holder(valve).is_some_and(|holder| self.is_within(task, holder));
-        if is_free {
-            self.grant(task, valve, None);
+        if let Some(place) = self.place_at_once(task, valve) {
+            self.grant(task, valve, (place, None));
         } else {
             self.valves[valve].asked.push(task);
             self.serve();

@@ -21,5 +21,5 @@ pub fn closed_room() -> Arc<OfficeModel> {
 pub fn wheels_are_free(system: &System<SiteRobot>) -> bool {
     let machine = &system.machine;
     let wheels = machine.valves.iter().find(|valve| machine.symbols.name(valve.name) == "wheels").expect("a valve");
-    wheels.is_at_rest()
+    wheels.waiters.is_empty() && wheels.places().all(|place| machine.places[place as usize].is_at_rest())
 }

@@ -33,6 +33,15 @@ const PROGRAMS: &[(&str, &str)] = &[
               (with-priority 1 (wait-time 0.5) (on-resume (lambda () (print 'never)) (drive 'c 0.25))))",
     ),
     (
+        "places",
+        "(def-valve docks 2)
+         (def-plan hold (name seconds)
+           (with-valve docks
+             (on-interrupt (wait-time 0.5) (on-resume (wait-time 0.5) (wait-time seconds) (print (list name (now)))))))
+         (par (hold 'a 2) (hold 'b 3) (hold 'c 1)
+              (with-priority 1 (wait-time 1) (with-valve docks (par (with-valve docks (wait-time 1)) (with-valve docks)))))",
+    ),
+    (
         "timers",
         "(try-in-order (with-timeout 1 (wait-time 5)) (with-timeout 2s (wait-time 1.5) (print (now)) 'done))",
     ),

@@ -4,12 +4,14 @@
 use rpl_tests::valves::program::programs;
 use rpl_tests::valves::{Tally, judge};
 
-/// r[valve.borrow], r[valve.preempt], r[valve.return], r[valve.clean-up], r[valve.evaporated]
+/// r[valve.borrow], r[valve.preempt], r[valve.return], r[valve.clean-up], r[valve.evaporated], r[valve.places],
+/// r[valve.places-preempt], r[valve.places-return], r[valve.places-borrow]
 #[test]
 fn small_programs_do_what_the_model_of_the_rules_says() {
     let mut tally = Tally::default();
-    for (width, every, with_blows) in [(2, 97, true), (3, 997, false)] {
-        for program in programs(width, 6).step_by(every) {
+    let parts = [(2, 1, 97, true), (3, 1, 997, false), (3, 2, 9_973, true), (3, 2, 499, false), (4, 3, 49_999, false)];
+    for (width, places, every, with_blows) in parts {
+        for program in programs(width, places, 6, every) {
             if let Err(finding) = judge(&program, with_blows, &mut tally) {
                 panic!("{finding}");
             }

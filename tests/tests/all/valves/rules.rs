@@ -448,9 +448,9 @@ fn what_hooks_do_side_by_side_takes_turns() {
 /// The work of lines is counted: it grows with the logarithm of their length.
 #[test]
 fn a_crowd_that_waits_for_one_valve_is_served_and_dies_in_a_line() {
-    let work = |waiters: usize, end: &str| {
+    let work = |places: usize, waiters: usize, end: &str| {
         let text = format!(
-            "(def-valve v)
+            "(def-valve v {places})
              (ignore-failures (timeout)
                (with-timeout 10
                  (par (with-valve v (wait-time 1))
@@ -462,9 +462,9 @@ fn a_crowd_that_waits_for_one_valve_is_served_and_dies_in_a_line() {
         assert_eq!(rpl_tests::transcript(&mut system), "=> nil");
         system.machine.valve_work()
     };
-    for end in ["nil", "(wait-time 90)"] {
-        let (few, many) = (work(500, end), work(4_000, end));
-        assert!(many < few * 12, "{end}: 500 waiters cost {few}, 4,000 cost {many}");
+    for (places, end) in [(1, "nil"), (1, "(wait-time 90)"), (3, "nil"), (3, "(wait-time 90)")] {
+        let (few, many) = (work(places, 500, end), work(places, 4_000, end));
+        assert!(many < few * 12, "{end}: 500 waiters before {places} places cost {few}, 4,000 cost {many}");
     }
 }
 
