@@ -1,6 +1,6 @@
 //! Errors and warnings about plan text, as values.
 
-use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Sources, Span, line_end, line_start};
+use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Sources, Span};
 use crate::visible::{is_invisible, pictured, visible, visible_lines, with_short_words};
 use ariadne::{Color, Config, Fmt, IndexType, Label, Report, ReportKind};
 use std::collections::BTreeMap;
@@ -71,6 +71,9 @@ impl Diagnostic {
 /// line of a megabyte.
 const MAX_LINE_BYTES: usize = 240;
 
+/// Places further apart than so many lines are not drawn together: the drawing library looks at all lines between.
+const MAX_LINES_BETWEEN: usize = 1_000;
+
 /// The findings as text, in order of place, each with its line and the place marked; with `colour`,
 /// in the colours of a terminal.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
@@ -87,9 +90,7 @@ fn render_one(diagnostic: &Diagnostic, sources: &Sources, texts: &mut Texts<'_>,
     };
     let head = format!("{kind}[{}]:", diagnostic.code);
     let head = if colour { head.fg(main_colour).to_string() } else { head };
-    let mut places = std::iter::once(diagnostic.span).chain(diagnostic.related.iter().map(|&(span, _)| span));
-    let drawn =
-        if places.all(|span| is_drawable(span, sources)) { draw(diagnostic, main_colour, texts, colour) } else { None };
+    let drawn = if is_drawable(diagnostic, sources) { draw(diagnostic, main_colour, texts, colour) } else { None };
     let body = drawn.unwrap_or_else(|| excerpts(diagnostic, sources));
     format!("{head} {}\n{body}", shown(&diagnostic.message))
 }
@@ -123,22 +124,45 @@ fn shown(text: &str) -> String {
     with_short_words(visible_lines(text).into_owned())
 }
 
-/// What is drawn as it stands: lines of a length a terminal can show.
-fn is_drawable(span: Span, sources: &Sources) -> bool {
-    let text = &sources.get(span.source).text;
+/// Whether the places are drawn as they stand: lines of a length a terminal can show, those of one text near each other.
+fn is_drawable(diagnostic: &Diagnostic, sources: &Sources) -> bool {
+    let others = diagnostic.related.iter().map(|&(span, _)| span);
+    let mut places = std::iter::once(diagnostic.span).chain(others.clone());
+    let line = |span: Span| sources.line_column(span).0;
+    let is_near = |span: Span| {
+        span.source != diagnostic.span.source || line(span).abs_diff(line(diagnostic.span)) <= MAX_LINES_BETWEEN
+    };
+    places.all(|span| are_lines_short(span, sources)) && others.into_iter().all(is_near)
+}
+
+/// Whether no line that a span touches is too long.
+fn are_lines_short(span: Span, sources: &Sources) -> bool {
+    let source = sources.get(span.source);
+    let text = &source.text;
     let start = text.floor_char_boundary(span.start as usize);
     let end = text.floor_char_boundary((span.end as usize).max(start));
-    text[line_start(text, start)..line_end(text, end)].split(LINE_ENDS).all(|line| line.len() <= MAX_LINE_BYTES)
+    let mut at = start;
+    loop {
+        let line = source.line(at).1;
+        if text[line.clone()].trim_end_matches(LINE_ENDS).len() > MAX_LINE_BYTES {
+            return false;
+        }
+        if line.end > end || line.end == text.len() {
+            return true;
+        }
+        at = line.end;
+    }
 }
 
 /// The characters of a span in the drawn text. The drawing library wants a span that does not end
 /// behind a line.
 fn drawn_span(span: Span, sources: &Sources) -> (SourceId, Range<usize>) {
-    let text = &sources.get(span.source).text;
-    let before = &text[..text.floor_char_boundary(span.start as usize)];
-    let start = before.strip_prefix(BYTE_ORDER_MARK).unwrap_or(before).chars().count();
-    let covered = sources.text_of(span).trim_end_matches([' ', '\t', '\n', '\r']).chars().count();
-    (span.source, start..start + covered)
+    let source = sources.get(span.source);
+    let mark = usize::from(source.text.starts_with(BYTE_ORDER_MARK));
+    let start = source.text.floor_char_boundary(span.start as usize);
+    let covered = sources.text_of(span).trim_end_matches([' ', '\t', '\n', '\r']).len();
+    let characters_before = |at| source.characters_before(at).saturating_sub(mark);
+    (span.source, characters_before(start)..characters_before(start + covered))
 }
 
 /// A text as it is drawn, without a mark at its start. The drawing library takes more characters for
@@ -167,10 +191,11 @@ fn excerpts(diagnostic: &Diagnostic, sources: &Sources) -> String {
 /// Some characters around the start of the span, on one line, and how many of them come before it.
 fn excerpt(span: Span, sources: &Sources) -> (String, usize) {
     const AROUND: usize = 40;
-    let text = &sources.get(span.source).text;
+    let source = sources.get(span.source);
+    let text = &source.text;
     let start = text.floor_char_boundary(span.start as usize);
-    let before = &text[..start];
-    let before: Vec<char> = before[line_start(text, start)..].chars().rev().take(AROUND).collect();
+    let line = &text[source.line(start).1.start..start];
+    let before: Vec<char> = line.chars().rev().take(AROUND).collect();
     let cut = if before.len() == AROUND { "… " } else { "" };
     let after = text[start..].chars().take_while(|c| !LINE_ENDS.contains(c)).take(AROUND);
     let column = cut.chars().count() + before.len();

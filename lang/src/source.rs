@@ -2,6 +2,7 @@
 
 use crate::visible::visible;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Number of a text in [`Sources`].
@@ -34,33 +35,72 @@ pub struct Source {
     /// The text.
     pub text: Arc<str>,
     #[serde(skip)]
-    lines: LineStarts,
+    places: Places,
 }
 
-/// Where the lines of a text start, once somebody has asked for a place in it.
+/// Where lines start and characters stand in a text, once somebody has asked for a place in it.
 #[derive(Clone, Debug, Default)]
-struct LineStarts(OnceLock<Arc<[u32]>>);
+struct Places(OnceLock<Arc<Landmarks>>);
 
-impl PartialEq for LineStarts {
+/// What places in a text are counted from.
+#[derive(Debug)]
+struct Landmarks {
+    /// The first byte of each line.
+    lines: Vec<u32>,
+    /// How many characters begin before each stretch of [`STRETCH_BYTES`], and in the whole text.
+    characters: Vec<u32>,
+}
+
+/// Characters are counted from the start of such a stretch: a text may be one line.
+const STRETCH_BYTES: usize = 1024;
+
+/// How many characters begin in these bytes.
+fn count_characters(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte & 0xc0 != 0x80).count()
+}
+
+impl Landmarks {
+    fn of(text: &str) -> Self {
+        let mut characters = vec![0];
+        for stretch in text.as_bytes().chunks(STRETCH_BYTES) {
+            characters.push(characters[characters.len() - 1] + count_characters(stretch) as u32);
+        }
+        Self { lines: line_starts(text).map(|start| start as u32).collect(), characters }
+    }
+}
+
+impl PartialEq for Places {
     /// Texts are the same whether or not somebody has asked.
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl Eq for LineStarts {}
+impl Eq for Places {}
 
 impl Source {
     fn new(name: &str, text: &str) -> Self {
-        Self { name: name.into(), text: text.into(), lines: LineStarts::default() }
+        Self { name: name.into(), text: text.into(), places: Places::default() }
     }
 
-    /// The number of the line that a byte stands in, from 0, and the line's first byte. Cost: the first time O(text),
-    /// then O(log lines).
-    fn line(&self, at: usize) -> (usize, usize) {
-        let starts = self.lines.0.get_or_init(|| line_starts(&self.text).map(|start| start as u32).collect());
+    fn landmarks(&self) -> &Landmarks {
+        self.places.0.get_or_init(|| Arc::new(Landmarks::of(&self.text)))
+    }
+
+    /// The number of the line that a byte stands in, from 0, and the line's bytes, its end included. Cost: the first
+    /// time O(text), then O(log lines).
+    pub fn line(&self, at: usize) -> (usize, Range<usize>) {
+        let starts = &self.landmarks().lines;
         let line = starts.partition_point(|&start| start as usize <= at) - 1;
-        (line, starts[line] as usize)
+        let end = starts.get(line + 1).map_or(self.text.len(), |&next| next as usize);
+        (line, starts[line] as usize..end)
+    }
+
+    /// How many characters begin before a byte. Cost: the first time O(text), then O(1).
+    pub fn characters_before(&self, at: usize) -> usize {
+        let stretch = at / STRETCH_BYTES;
+        let behind = count_characters(&self.text.as_bytes()[stretch * STRETCH_BYTES..at]);
+        self.landmarks().characters[stretch] as usize + behind
     }
 }
 
@@ -132,11 +172,10 @@ impl Sources {
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let source = self.get(span.source);
         let start = source.text.floor_char_boundary(span.start as usize);
-        let (line, first) = source.line(start);
-        let before = &source.text[first..start];
+        let (line, bytes) = source.line(start);
         // A mark at the start of the text is no part of it.
-        let mark = usize::from(before.starts_with(BYTE_ORDER_MARK));
-        (line + 1, before.chars().count() - mark + 1)
+        let mark = usize::from(source.text[bytes.start..start].starts_with(BYTE_ORDER_MARK));
+        (line + 1, source.characters_before(start) - source.characters_before(bytes.start) - mark + 1)
     }
 
     /// `file:line:column` of the span's start.
@@ -218,6 +257,23 @@ mod tests {
         // Between the two characters of one end the line has not ended.
         assert_eq!(line_start(text, 4), 2);
         assert_eq!(lines("").count(), 0);
+    }
+
+    #[test]
+    fn columns_of_a_long_line_count_characters() {
+        let text = format!("{}\n{}", "aß€🙂".repeat(700), "b🙂".repeat(700));
+        let mut sources = Sources::default();
+        let source = sources.add("t", &text);
+        let (mut line, mut column) = (1, 1);
+        for (at, character) in text.char_indices() {
+            let start = at as u32;
+            assert_eq!(sources.line_column(Span { source, start, end: start }), (line, column), "{at}");
+            assert_eq!(sources.get(source).characters_before(at), text[..at].chars().count());
+            (line, column) = if character == '\n' { (line + 1, 1) } else { (line, column + 1) };
+        }
+        assert_eq!(sources.get(source).characters_before(text.len()), text.chars().count());
+        let whole = sources.add("t", &"x".repeat(2 * STRETCH_BYTES));
+        assert_eq!(sources.get(whole).characters_before(2 * STRETCH_BYTES), 2 * STRETCH_BYTES);
     }
 
     #[test]

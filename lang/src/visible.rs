@@ -96,6 +96,10 @@ pub fn named(character: char) -> String {
 /// The text on one line, with `\u{…}` for what is not seen and `\n`, `\t`, `\r` for the white space
 /// that is no space. Cost: a look at each character if there is none.
 pub fn visible(text: &str) -> Cow<'_, str> {
+    // Nearly every name is one of these, and each event of a trace shows some.
+    if text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
+        return Cow::Borrowed(text);
+    }
     escaped(text, |_| false)
 }
 

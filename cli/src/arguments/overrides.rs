@@ -4,13 +4,13 @@
 //! would be, and an error in it is shown like any other.
 
 use anyhow::{Result, bail};
+use rpl_lang::bars::read_name;
 use rpl_lang::compile::Loader;
 use rpl_lang::diagnostic::render;
 use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Sources};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
-use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::{NodeId, Tree};
 
 /// Forms that give a global name its first value, and so can be overridden.
@@ -42,7 +42,7 @@ impl Override {
         if roots.len() != 1 {
             bail!("`--set {argument}` needs one expression after the `=`, found {}", roots.len());
         }
-        let name = fold_name(name.trim()).into_owned();
+        let name = read_name(name.trim()).into_owned();
         // The datum alone: a comment behind it would swallow what follows it in the plan.
         let expression = sources.text_of(tree.span(roots[0])).to_string();
         Ok(Self { name, expression, used: false })

@@ -1,10 +1,10 @@
 //! What a run defines, as it is written: found in its texts, the library's included.
 
 use super::own_text::UNTYPED;
+use rpl_lang::bars::read_name;
 use rpl_lang::reader::read;
 use rpl_lang::source::{SourceId, Span};
 use rpl_lang::symbol::Symbols;
-use rpl_lang::symbol::fold_name;
 use rpl_lang::syntax::{NodeId, Tree};
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
@@ -81,7 +81,7 @@ pub fn of_library(system: &System<Robot>) -> Vec<Definition> {
 
 /// The definition of a name: the session's own, else the library's.
 pub fn named(system: &System<Robot>, name: &str) -> Option<Definition> {
-    let name = fold_name(name);
+    let name = read_name(name);
     let is_it = |definition: &Definition| definition.name == name;
     own(system).into_iter().rev().find(is_it).or_else(|| of_library(system).into_iter().find(is_it))
 }
@@ -101,7 +101,7 @@ fn in_text(system: &System<Robot>, source: SourceId) -> Vec<Definition> {
         let span = tree.span(form);
         let written = |span| system.program.sources.text_of(span);
         let name = written(tree.span(named_in(&tree, *tree.items(form).get(1)?)));
-        let (form, name, text) = (head.to_string(), fold_name(name).into_owned(), written(span).to_string());
+        let (form, name, text) = (head.to_string(), read_name(name).into_owned(), written(span).to_string());
         Some(Definition { form, name, span, text })
     };
     forms.into_iter().filter_map(definition).collect()

@@ -7,10 +7,10 @@ use super::{Prompt, command, definitions};
 use crate::show::documentation::{document, with_commands};
 use crate::show::why::shortened;
 use anyhow::Result;
+use rpl_lang::bars::read_name;
 use rpl_lang::code::{CodeKind, GlobalKind, Program};
 use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
-use rpl_lang::symbol::fold_name;
 use rpl_mission::reference::{self, NameKind, Reference};
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
@@ -39,7 +39,7 @@ impl Prompt<'_> {
     pub(super) fn unknown(&self, name: &str) -> String {
         let system = &self.session.branch.system;
         let known = [definitions::own(system), definitions::of_library(system)].concat();
-        let meant = suggest(&fold_name(name), known.iter().map(|definition| definition.name.as_str()));
+        let meant = suggest(&read_name(name), known.iter().map(|definition| definition.name.as_str()));
         let name = shortened(name);
         match meant {
             Some(meant) => format!("nothing is called `{name}`; did you mean `{meant}`?"),
@@ -63,7 +63,7 @@ impl Prompt<'_> {
 /// session does not define it.
 fn own(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
     let program = &*system.program;
-    let name = fold_name(name);
+    let name = read_name(name);
     let written = definitions::own(system).into_iter().rev().find(|own| own.name == name);
     let known = KnownName::of(system, &name).filter(|known| known.span.source.0 >= program.library_sources);
     let (signature, doc, kind, span, value) = match (known, written) {

@@ -4,9 +4,9 @@
 use super::known::Check;
 use super::places::brief;
 use super::valve_order::requests_by_hand;
-use super::walk::{FormPart, each_form_within, parts};
+use super::walk::{FormPart, each_form, each_form_within, parts};
 use crate::code::GlobalKind;
-use crate::compile::ir::{Callee, ConstructIr, Ir, IrKind, ScopeIr, VarId};
+use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind, ScopeIr, VarId};
 use crate::compile::resolved::Defined;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -21,16 +21,20 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
         return;
     }
     let mut claims: BTreeMap<(u32, &str), Vec<Claim<'_>>> = BTreeMap::new();
-    for root in check.roots() {
-        let mut search = Search::new(check);
-        search.form(&root.body);
+    for (root, function) in check.roots().enumerate() {
+        let mut search = Search::new(check, root);
+        search.form(&function.body);
         for claim in search.finish() {
             let condition = check.subject.program.sources.text_of(claim.condition.span);
             claims.entry((claim.fluent, condition)).or_default().push(claim);
         }
     }
+    if claims.is_empty() {
+        return;
+    }
+    let calls = Calls::new(check);
     for claims in claims.values().take(MAX_CONDITIONS) {
-        if are_made_side_by_side(check, claims) {
+        if are_made_side_by_side(check, &calls, claims) {
             found.extend(claims.iter().map(|claim| warning(check, claim)));
         }
     }
@@ -50,23 +54,55 @@ fn warning(check: &Check<'_>, claim: &Claim<'_>) -> Diagnostic {
 #[derive(Clone, Copy)]
 struct Claim<'i> {
     fluent: u32,
+    /// In which of the text's functions.
+    root: usize,
     wait: &'i Ir,
     condition: &'i Ir,
     take: Span,
 }
 
-/// A fluent that was waited for on the way to a form.
+/// Where a fluent was waited for on the way to a form.
 #[derive(Clone, Copy)]
 struct Waited<'i> {
-    fluent: u32,
     wait: &'i Ir,
     condition: &'i Ir,
+}
+
+/// Where fluents were waited for last, and what was known of them before: a branch is left as it was entered, at the
+/// cost of what has changed in it.
+#[derive(Default)]
+struct Waits<'i> {
+    last: BTreeMap<u32, Waited<'i>>,
+    changes: Vec<(u32, Option<Waited<'i>>)>,
+}
+
+impl<'i> Waits<'i> {
+    fn insert(&mut self, fluent: u32, waited: Waited<'i>) {
+        let before = self.last.insert(fluent, waited);
+        self.changes.push((fluent, before));
+    }
+
+    fn remove(&mut self, fluent: u32) -> Option<Waited<'i>> {
+        let before = self.last.remove(&fluent)?;
+        self.changes.push((fluent, Some(before)));
+        Some(before)
+    }
+
+    fn go_back_to(&mut self, changes: usize) {
+        for (fluent, before) in self.changes.drain(changes..).rev() {
+            match before {
+                Some(before) => self.last.insert(fluent, before),
+                None => self.last.remove(&fluent),
+            };
+        }
+    }
 }
 
 /// A walk through one function, in the order of evaluation.
 struct Search<'c, 'a, 'i> {
     check: &'c Check<'a>,
-    waited: Vec<Waited<'i>>,
+    root: usize,
+    waited: Waits<'i>,
     /// Variables that hold the value of a fluent.
     values: BTreeMap<VarId, u32>,
     found: Vec<Claim<'i>>,
@@ -78,10 +114,11 @@ struct Search<'c, 'a, 'i> {
 }
 
 impl<'c, 'a, 'i> Search<'c, 'a, 'i> {
-    fn new(check: &'c Check<'a>) -> Self {
+    fn new(check: &'c Check<'a>, root: usize) -> Self {
         Self {
             check,
-            waited: Vec::new(),
+            root,
+            waited: Waits::default(),
             values: BTreeMap::new(),
             found: Vec::new(),
             locks: Vec::new(),
@@ -103,8 +140,9 @@ impl<'c, 'a, 'i> Search<'c, 'a, 'i> {
     fn form_here(&mut self, ir: &'i Ir) {
         match &ir.kind {
             IrKind::WaitFor { fluent, .. } => {
-                let read = self.fluents_in(fluent);
-                self.waited.extend(read.into_iter().map(|name| Waited { fluent: name, wait: ir, condition: fluent }));
+                for read in self.fluents_in(fluent) {
+                    self.waited.insert(read, Waited { wait: ir, condition: fluent });
+                }
             }
             IrKind::Let(bound, body) => {
                 for (variable, value) in bound {
@@ -117,15 +155,16 @@ impl<'c, 'a, 'i> Search<'c, 'a, 'i> {
             // Who asks once more takes nothing that is not there.
             IrKind::If(condition, then, otherwise) => {
                 self.form(condition);
-                let waited = self.waited.clone();
-                let asked = self.values_in(condition);
-                self.waited.retain(|waited| !asked.contains(&waited.fluent));
-                let kept = self.waited.clone();
+                let before = self.waited.changes.len();
+                for asked in self.values_in(condition) {
+                    self.waited.remove(asked);
+                }
+                let kept = self.waited.changes.len();
                 for branch in [then, otherwise] {
                     self.form(branch);
-                    self.waited.clone_from(&kept);
+                    self.waited.go_back_to(kept);
                 }
-                self.waited = waited;
+                self.waited.go_back_to(before);
             }
             // What stands in a loop may never run, and a function runs at other times.
             IrKind::Loop(body) => self.apart(body),
@@ -145,9 +184,9 @@ impl<'c, 'a, 'i> Search<'c, 'a, 'i> {
     }
 
     fn apart(&mut self, ir: &'i Ir) {
-        let waited = self.waited.clone();
+        let before = self.waited.changes.len();
         self.form(ir);
-        self.waited = waited;
+        self.waited.go_back_to(before);
     }
 
     fn assignment(&mut self, ir: &'i Ir) {
@@ -158,10 +197,8 @@ impl<'c, 'a, 'i> Search<'c, 'a, 'i> {
             let assigned = if matches!(value.kind, IrKind::Nil) { &mut self.emptied } else { &mut self.filled };
             assigned.insert(fluent);
         }
-        let Some(at) = self.waited.iter().rposition(|waited| waited.fluent == fluent) else { return };
-        let Waited { wait, condition, .. } = self.waited[at];
-        self.waited.retain(|waited| waited.fluent != fluent);
-        let claim = Claim { fluent, wait, condition, take: ir.span };
+        let Some(Waited { wait, condition }) = self.waited.remove(fluent) else { return };
+        let claim = Claim { fluent, root: self.root, wait, condition, take: ir.span };
         if is_constant {
             self.locks.push(claim);
         } else if self.values_in(value).contains(&fluent) {
@@ -203,16 +240,77 @@ fn value_of(check: &Check<'_>, ir: &Ir) -> Option<u32> {
     }
 }
 
-/// Whether two tasks may wait at these places at once, as far as can be seen, where no valve keeps
-/// them apart.
-fn are_made_side_by_side(check: &Check<'_>, claims: &[Claim<'_>]) -> bool {
-    let waits = claims.iter().map(|claim| std::ptr::from_ref(claim.wait)).collect();
-    let mut tasks = Tasks { check, waits, leading: BTreeSet::new(), side_by_side: false };
-    tasks.find_leading();
-    for root in check.roots() {
-        tasks.form(&root.body);
+/// Who calls whom in a text.
+struct Calls<'a> {
+    /// The functions of the text; their numbers as globals, if they have any.
+    roots: Vec<(Option<u32>, &'a Function)>,
+    /// Functions that call a function, by its number, where no valve is held.
+    callers: BTreeMap<u32, Vec<u32>>,
+    /// Where a function is called, by its number, valves or not: places in `roots`.
+    called_in: BTreeMap<u32, BTreeSet<usize>>,
+}
+
+impl<'a> Calls<'a> {
+    fn new(check: &Check<'a>) -> Self {
+        let definitions = check.subject.text.definitions.iter();
+        let numbers: BTreeMap<*const Function, u32> = definitions
+            .filter_map(|definition| match &definition.defined {
+                Defined::Function(global, function) => Some((std::ptr::from_ref(function), *global)),
+                Defined::Macro(_) | Defined::Value | Defined::Failure => None,
+            })
+            .collect();
+        let numbered = |function: &'a Function| (numbers.get(&std::ptr::from_ref(function)).copied(), function);
+        let roots: Vec<_> = check.roots().map(numbered).collect();
+        let (mut callers, mut called_in) = (BTreeMap::<u32, Vec<u32>>::new(), BTreeMap::<u32, BTreeSet<usize>>::new());
+        for (root, &(number, function)) in roots.iter().enumerate() {
+            each_form(function, &mut |ir| {
+                if let IrKind::Call(Callee::Global(called), _) = ir.kind {
+                    called_in.entry(called).or_default().insert(root);
+                }
+            });
+            if let Some(number) = number {
+                unguarded(check, &function.body, &mut |ir| {
+                    if let IrKind::Call(Callee::Global(called), _) = ir.kind {
+                        callers.entry(called).or_default().push(number);
+                    }
+                });
+            }
+        }
+        Self { roots, callers, called_in }
     }
-    tasks.side_by_side
+
+    /// Functions that lead to a wait: those with one, those that call them, and so on.
+    fn leading(&self, check: &Check<'_>, claims: &[Claim<'_>], waits: &BTreeSet<*const Ir>) -> BTreeSet<u32> {
+        let (mut leading, mut open) = (BTreeSet::new(), Vec::new());
+        let roots: BTreeSet<usize> = claims.iter().map(|claim| claim.root).collect();
+        for (number, function) in roots.into_iter().map(|root| self.roots[root]) {
+            unguarded(check, &function.body, &mut |ir| {
+                if waits.contains(&std::ptr::from_ref(ir)) {
+                    open.extend(number);
+                }
+            });
+        }
+        while let Some(number) = open.pop() {
+            if leading.insert(number) {
+                open.extend(self.callers.get(&number).into_iter().flatten());
+            }
+        }
+        leading
+    }
+}
+
+/// Whether two tasks may wait at these places at once, as far as can be seen, where no valve keeps
+/// them apart. Cost: the functions in which somebody comes to one of them.
+fn are_made_side_by_side(check: &Check<'_>, calls: &Calls<'_>, claims: &[Claim<'_>]) -> bool {
+    let waits: BTreeSet<*const Ir> = claims.iter().map(|claim| std::ptr::from_ref(claim.wait)).collect();
+    let leading = calls.leading(check, claims, &waits);
+    let others = leading.iter().filter_map(|number| calls.called_in.get(number)).flatten();
+    let roots: BTreeSet<usize> = claims.iter().map(|claim| claim.root).chain(others.copied()).collect();
+    let mut tasks = Tasks { check, waits, leading, side_by_side: false };
+    roots.into_iter().any(|root| {
+        tasks.form(&calls.roots[root].1.body);
+        tasks.side_by_side
+    })
 }
 
 struct Tasks<'c, 'a> {
@@ -231,25 +329,6 @@ struct Comes {
 }
 
 impl Tasks<'_, '_> {
-    /// From the functions with a wait to those that call them, and so on.
-    fn find_leading(&mut self) {
-        let mut callers: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        let mut open = Vec::new();
-        for definition in &self.check.subject.text.definitions {
-            let Defined::Function(global, function) = &definition.defined else { continue };
-            unguarded(self.check, &function.body, &mut |ir| match &ir.kind {
-                IrKind::Call(Callee::Global(called), _) => callers.entry(*called).or_default().push(*global),
-                _ if self.waits.contains(&std::ptr::from_ref(ir)) => open.push(*global),
-                _ => {}
-            });
-        }
-        while let Some(global) = open.pop() {
-            if self.leading.insert(global) {
-                open.extend(callers.get(&global).into_iter().flatten());
-            }
-        }
-    }
-
     fn form(&mut self, ir: &Ir) -> Comes {
         deep(|| self.form_here(ir))
     }

@@ -68,7 +68,8 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
         let behind = faulty.partition_point(|faulty| (faulty.source, faulty.start) <= (span.source, span.start));
         !behind.checked_sub(1).is_some_and(|before| lies_in(*span, faulty[before]))
     });
-    warnings.retain(|warning| !places::is_allowed(&subject.program.sources, warning));
+    let mut allowances = places::Allowances::new(&subject.program.sources);
+    warnings.retain(|warning| !allowances.allow(warning));
     warnings.sort_by(|a, b| (a.span, a.code, &a.message).cmp(&(b.span, b.code, &b.message)));
     warnings.dedup();
     warnings

@@ -4,10 +4,14 @@ use crate::bars::read_name;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Token;
 use crate::lexer::lex;
-use crate::source::{LINE_ENDS, Sources, Span, line_end, line_start};
+use crate::source::{LINE_ENDS, SourceId, Sources, Span};
+use std::collections::BTreeMap;
 
 /// What a comment begins with that takes warnings away.
 const ALLOWANCE: &str = "; check: allow ";
+
+/// So many words it has; rules follow.
+const ALLOWANCE_WORDS: usize = 3;
 
 /// The span if it stands in one line, else its head: `(loop`.
 pub(super) fn brief(sources: &Sources, span: Span) -> Span {
@@ -28,17 +32,37 @@ pub(super) fn one_line(sources: &Sources, span: Span) -> String {
     }
 }
 
-/// Whether a comment in the line of the warning, or in the line above, names its rule.
-pub(super) fn is_allowed(sources: &Sources, warning: &Diagnostic) -> bool {
-    let text = &sources.get(warning.span.source).text;
-    let start = text.floor_char_boundary(warning.span.start as usize);
-    let own_start = line_start(text, start);
-    let above = text[line_start(text, own_start.saturating_sub(1))..own_start].trim();
-    let beside = &text[start..line_end(text, start)];
-    let names_rule = |line: &str| {
-        line.split_once(ALLOWANCE).is_some_and(|(_, rules)| rules.split_whitespace().any(|rule| rule == warning.code))
-    };
-    names_rule(beside) || (above.starts_with(';') && names_rule(above))
+/// Comments that take warnings away: where they stand in the texts that warnings are about.
+pub(super) struct Allowances<'a> {
+    sources: &'a Sources,
+    /// Of each text, in order.
+    comments: BTreeMap<SourceId, Vec<usize>>,
+}
+
+impl<'a> Allowances<'a> {
+    /// Those in the texts of a program.
+    pub(super) fn new(sources: &'a Sources) -> Self {
+        Self { sources, comments: BTreeMap::new() }
+    }
+
+    /// Whether a comment in the line of the warning, or in the line above, names its rule.
+    pub(super) fn allow(&mut self, warning: &Diagnostic) -> bool {
+        let source = self.sources.get(warning.span.source);
+        let text = &source.text;
+        let comments = self.comments.entry(warning.span.source);
+        let comments = comments.or_insert_with(|| text.match_indices(ALLOWANCE).map(|(at, _)| at).collect());
+        let names_rule = |from: usize, end: usize| {
+            let first = comments.get(comments.partition_point(|&at| at < from)).filter(|&&at| at < end);
+            first.is_some_and(|&at| {
+                text[at..end].split_whitespace().skip(ALLOWANCE_WORDS).any(|rule| rule == warning.code)
+            })
+        };
+        let start = text.floor_char_boundary(warning.span.start as usize);
+        let own = source.line(start).1;
+        let above = source.line(own.start.saturating_sub(1)).1.start..own.start;
+        names_rule(start, own.end)
+            || text[above.clone()].trim_start().starts_with(';') && names_rule(above.start, above.end)
+    }
 }
 
 /// The place of a name that is bound at the span, which is the name alone or begins a list with it;

@@ -10,6 +10,7 @@ mod hygiene;
 mod lists;
 mod macros;
 mod many_names;
+mod many_warnings;
 mod numbers;
 mod own_texts;
 mod parallel;

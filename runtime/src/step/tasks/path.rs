@@ -29,6 +29,9 @@ pub(crate) fn form_in_plan(program: &Program, frame: Frame, callers: &[Frame]) -
     outer.find(|span| span.source.0 >= program.library_sources).or(here)
 }
 
+/// Bytes that there is room for beside each name: nearly always those of a separator.
+const SEGMENT_MARKS: usize = 1;
+
 /// A name in a path.
 struct Segment {
     name: Symbol,
@@ -96,7 +99,11 @@ impl Machine {
             at = record.parent;
         }
         is_whole |= self.tasks.get(at).is_none();
-        let mut path = String::from(if is_whole { "" } else { "…" });
+        let names = segments.iter().map(|segment| self.symbols.name(segment.name).len() + SEGMENT_MARKS);
+        let mut path = String::with_capacity(names.sum::<usize>() + '…'.len_utf8());
+        if !is_whole {
+            path.push('…');
+        }
         for segment in segments.iter().rev() {
             if !path.is_empty() {
                 path.push('/');
