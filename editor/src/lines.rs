@@ -7,12 +7,31 @@ use rpl_lang::source::line_starts;
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     starts: Vec<u32>,
+    /// How many units begin before each stretch of [`STRETCH_BYTES`], and in the whole text.
+    units: Vec<u32>,
+}
+
+/// Units are counted from the start of such a stretch: a text may be one line.
+const STRETCH_BYTES: usize = 1024;
+
+/// How many units begin in these bytes.
+fn count_units(bytes: &[u8]) -> u32 {
+    let units = |byte: u8| match byte {
+        0x80..0xc0 => 0,
+        0xf0.. => 2,
+        _ => 1,
+    };
+    bytes.iter().map(|&byte| units(byte)).sum()
 }
 
 impl Lines {
     /// Of a text. Cost: linear.
     pub fn of(text: &str) -> Self {
-        Self { starts: line_starts(text).map(|start| start as u32).collect() }
+        let mut units = vec![0];
+        for stretch in text.as_bytes().chunks(STRETCH_BYTES) {
+            units.push(units[units.len() - 1] + count_units(stretch));
+        }
+        Self { starts: line_starts(text).map(|start| start as u32).collect(), units }
     }
 
     /// How many lines there are; an empty text has one.
@@ -36,9 +55,15 @@ impl Lines {
     pub fn position(&self, text: &str, byte: usize) -> Position {
         let byte = text.floor_char_boundary(byte);
         let line = self.line(byte);
-        let before = &text[self.bytes(line, text).start.min(byte)..byte];
-        let units = if before.is_ascii() { before.len() } else { before.chars().map(char::len_utf16).sum() };
-        Position::new(line as u32, units as u32)
+        let start = self.bytes(line, text).start.min(byte);
+        Position::new(line as u32, self.units_before(text, byte) - self.units_before(text, start))
+    }
+
+    /// How many units begin before a byte. O(1).
+    fn units_before(&self, text: &str, byte: usize) -> u32 {
+        let stretch = byte / STRETCH_BYTES;
+        let behind = count_units(&text.as_bytes()[stretch * STRETCH_BYTES..byte]);
+        self.units.get(stretch).map_or(0, |before| before + behind)
     }
 
     /// Where a stretch of bytes stands.
@@ -87,6 +112,18 @@ mod tests {
         for (at, character) in text.char_indices().filter(|(_, character)| !matches!(character, '\r' | '\n')) {
             assert_eq!(lines.byte(text, lines.position(text, at)), at, "{character}");
         }
+    }
+
+    #[test]
+    fn columns_of_a_long_line_are_counted_from_its_start() {
+        let text = "aä🙂".repeat(1_000);
+        let lines = Lines::of(&text);
+        let mut units = 0;
+        for (at, character) in text.char_indices() {
+            assert_eq!(lines.position(&text, at), Position::new(0, units));
+            units += character.len_utf16() as u32;
+        }
+        assert_eq!(lines.position(&text, text.len()), Position::new(0, units));
     }
 
     #[test]

@@ -5,8 +5,11 @@ use rpl_link::journal::ledger::Ledger;
 use rpl_mission::sight::Sight;
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::trace::Event;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::json;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
@@ -88,7 +91,10 @@ impl TraceFile {
 
     fn line(&mut self, line: &str) -> io::Result<()> {
         match &mut self.out {
-            TraceOut::File(out) => writeln!(out, "{line}"),
+            TraceOut::File(out) => {
+                out.write_all(line.as_bytes())?;
+                out.write_all(b"\n")
+            }
             TraceOut::Ledger(ledger) => {
                 ledger.push(format!("{line}\n").as_bytes());
                 Ok(())
@@ -153,31 +159,43 @@ pub(super) fn pose_line(seen: &TracedPose) -> String {
 
 /// `{"time_s":…,"seq":…,"task":…,"kind":…,…}` with the details in their order.
 pub fn line(event: &Event) -> String {
-    let head = [
-        ("time_s", json!(event.time_us as f64 / 1e6)),
-        ("seq", json!(event.sequence)),
-        ("task", json!(event.path)),
-        ("kind", json!(event.kind.name())),
-    ];
-    // `serde_json` sorts the keys of its maps, and a person reads the time first.
-    let mut fields: Vec<String> = head.iter().map(|(name, value)| format!("{}:{value}", json!(name))).collect();
-    let taken: Vec<&str> = head.iter().map(|&(name, _)| name).collect();
-    let mut details = Map::new();
-    for (name, value) in &event.details {
-        let mut name = name.clone();
-        while taken.contains(&name.as_str()) || details.contains_key(&name) {
-            name.push('_');
+    // A map of texts and numbers can always be written.
+    serde_json::to_string(&Line(event)).unwrap_or_default()
+}
+
+/// An event as it is written.
+struct Line<'a>(&'a Event);
+
+/// The keys of every line.
+const HEAD: [&str; 4] = ["time_s", "seq", "task", "kind"];
+
+impl Serialize for Line<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Line(event) = self;
+        let mut map = serializer.serialize_map(None)?;
+        let [time, sequence, task, kind] = HEAD;
+        map.serialize_entry(time, &(event.time_us as f64 / 1e6))?;
+        map.serialize_entry(sequence, &event.sequence)?;
+        map.serialize_entry(task, &event.path)?;
+        map.serialize_entry(kind, event.kind.name())?;
+        let mut taken = BTreeSet::new();
+        for (name, value) in &event.details {
+            let mut name = Cow::from(name.as_str());
+            while HEAD.contains(&&*name) || taken.contains(&name) {
+                name.to_mut().push('_');
+            }
+            map.serialize_entry(&name, value)?;
+            taken.insert(name);
         }
-        fields.push(format!("{}:{}", json!(name), json!(value)));
-        details.insert(name, Value::Null);
+        map.end()
     }
-    format!("{{{}}}", fields.join(","))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use rpl_runtime::state::trace::EventKind;
+    use serde_json::Value;
 
     #[test]
     fn a_line_is_an_object_that_begins_with_the_time() {
