@@ -93,7 +93,7 @@ fn the_methods_of_a_goal_are_tried_in_order() {
     refused("(def-goal (achieve (a n)) 1) (def-goal (achieve (a n m)) 1)", "goal-parameters");
     refused("(def-goal (achieve (a n)) 1) (achieve (a))", "arity");
     let unknown = run("(achieve (nowhere 1))");
-    assert!(unknown.contains("(def-goal (achieve (nowhere …)) …)"), "{unknown}");
+    assert!(unknown.contains("(def-goal (achieve (nowhere PARAMETER...)) FORM...)"), "{unknown}");
 }
 
 /// r[def.struct], r[setf.places]
