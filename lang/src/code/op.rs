@@ -170,8 +170,6 @@ pub enum Op {
     CallNative(Reg, Reg, u8, u16),
     /// `r0 := closure over code i`, capturing the registers that code names
     Closure(Reg, u32),
-    /// the value that the closure r0 has captured at a position `:= r2`, before anybody else knows the closure
-    SetCaptured(Reg, u8, Reg),
     /// end the frame with the value r0
     Return(Reg),
     /// the body of a plan begins: a node of the task tree

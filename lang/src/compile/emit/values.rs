@@ -269,14 +269,18 @@ impl Emitter<'_, '_> {
             if let IrKind::Lambda(function) = &value.kind {
                 let captures = function.captures.iter().enumerate();
                 let later = captures.filter(|(_, captured)| !made.contains(*captured));
-                missing.extend(later.map(|(position, captured)| (reg, position, *captured)));
+                missing.extend(later.map(|(position, captured)| (*variable, position, *captured)));
             }
             made.insert(*variable);
         }
-        for (reg, position, captured) in missing {
-            if functions.iter().any(|(variable, _)| *variable == captured) {
-                // A position has a register in the function, as a value it captures has.
-                self.push(Op::SetCaptured(reg, position as u8, self.registers[&captured]));
+        let span = self.span;
+        let of = |kind| Ir { span, kind };
+        for (function, position, captured) in missing {
+            if made.contains(&captured) {
+                let position = IrKind::Int(position as i64);
+                let arguments = vec![of(IrKind::Local(function)), of(position), of(IrKind::Local(captured))];
+                let call = self.compiler.native_ir("%set-captured", arguments, span);
+                self.effect(&call);
             }
         }
     }

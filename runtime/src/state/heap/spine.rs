@@ -47,11 +47,10 @@ impl Iterator for Spine<'_> {
         if self.since_anchor == self.stride {
             (self.anchor, self.since_anchor, self.stride) = (pair, 0, self.stride * 2);
         }
-        let (car, cdr) = self.heap.pair(pair);
-        self.at = cdr;
+        self.at = self.heap.pairs.cdr(pair);
         self.since_anchor += 1;
         self.passed += 1;
-        Some((pair, car))
+        Some((pair, *self.heap.pairs.car(pair)))
     }
 }
 

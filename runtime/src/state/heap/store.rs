@@ -226,7 +226,6 @@ impl Heap {
     }
 
     /// The halves of a pair.
-    #[inline(always)]
     pub fn pair(&self, index: u32) -> (Value, Value) {
         (*self.pairs.car(index), self.pairs.cdr(index))
     }

@@ -5,7 +5,7 @@ use crate::state::limits::Limits;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
-use crate::state::value::{Value, assign};
+use crate::state::value::Value;
 use crate::step::exec::evaluation::MAX_EVALUATIONS_DEEP;
 use crate::step::exec::{Proceed, REACH, WINDOW};
 use crate::step::native::{Call as NativeCall, Reply, Surroundings};
@@ -41,20 +41,7 @@ pub(super) fn clear_registers(r: &mut [Value; REACH], at: usize, end: usize) {
         *four = [Value::Nil; 4];
     }
     if at + 4 < end {
-        if let Some(four) = r[at + 4..].first_chunk_mut::<4>() {
-            *four = [Value::Nil; 4];
-        }
-        if at + 8 < end {
-            clear_more(r, at + 8, end);
-        }
-    }
-}
-
-/// Moves arguments to the first registers of the frame, each in the parts it was written in.
-#[inline(always)]
-pub(super) fn move_down(r: &mut [Value; REACH], first: usize, count: usize) {
-    for at in 0..count {
-        assign!(r[at], r[first + at]);
+        clear_more(r, at + 4, end);
     }
 }
 

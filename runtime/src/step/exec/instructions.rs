@@ -8,7 +8,7 @@ use crate::state::task::Frame;
 use crate::state::value::{Value, assign};
 use crate::step::exec::about_tables::{assign_entry, read_entry};
 use crate::step::exec::arithmetic::{arithmetic, compare, compare_int, overflow};
-use crate::step::exec::calls::{clear_registers, move_down, place_captured};
+use crate::step::exec::calls::{clear_registers, place_captured};
 use crate::step::exec::plan_instructions::{in_network, signal_plainly};
 use crate::step::exec::{Exit, Proceed, REACH};
 use crate::step::fluents::read;
@@ -310,7 +310,7 @@ impl Machine {
                         if callee.exact_count == u16::from($count) && self.scratch.frames.len() < few_frames {
                             let (first, count) = (usize::from($first), usize::from($count));
                             let start = if $is_tail && callee.kind != CodeKind::Plan {
-                                move_down(r, first, count);
+                                r.copy_within(first..first + count, 0);
                                 0
                             } else {
                                 self.scratch.frames.push(frame!());
@@ -660,7 +660,7 @@ impl Machine {
                             && callee.kind != CodeKind::Plan
                         {
                             let (first, count) = (usize::from(first), usize::from(count));
-                            move_down(r, first, count);
+                            r.copy_within(first..first + count, 0);
                             clear!(callee, 0, count);
                             begin!(callee, number, base);
                             next!();
@@ -702,14 +702,6 @@ impl Machine {
                             self.heap.closure(number, captured).copied()
                         };
                         collect_in_frame!();
-                    }
-                    Op::SetCaptured(closure, position, value) => {
-                        if let Value::Closure(closure) = r!(closure)
-                            && let Some(captured) = self.heap.closures[closure].captured.get_mut(usize::from(position))
-                        {
-                            *captured = r!(value);
-                        }
-                        next!();
                     }
                     Op::Return(a) => {
                         if self.scratch.frames.len() > entry

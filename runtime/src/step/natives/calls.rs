@@ -16,6 +16,13 @@ pub(super) const NATIVES: &[Native] = &[
         code: Plain(|call| Ok(Reply::Call(call.argument(0), call.arguments[1..].to_vec()))),
     },
     Native {
+        name: "%set-captured",
+        parameters: "function position value",
+        doc: "Gives a local function the value that it captures at a position; it was made before that value.",
+        effect: Effect::None,
+        code: Plain(set_captured),
+    },
+    Native {
         name: "apply",
         parameters: "function argument &rest more",
         doc: "Calls a function with arguments, the last of which is a list of further ones.",
@@ -51,6 +58,17 @@ pub(super) const NATIVES: &[Native] = &[
         code: Plain(log),
     },
 ];
+
+fn set_captured(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let value = call.argument(2);
+    if let (Value::Closure(function), Value::Int(position)) = (call.argument(0), call.argument(1))
+        && let Ok(position) = usize::try_from(position)
+        && let Some(captured) = call.machine.heap.closures[function].captured.get_mut(position)
+    {
+        *captured = value;
+    }
+    Ok(Reply::Value(Value::Nil))
+}
 
 fn apply(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let last = call.arguments.len() - 1;
