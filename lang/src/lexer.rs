@@ -438,9 +438,9 @@ fn unterminated_comment(lexer: &mut Lexer<'_>, depth: usize) -> Token {
 /// An escape that is none: its bytes `start..end` in the body, and what is wrong.
 pub type EscapeFault = (usize, usize, String);
 
-/// The string a body (the text between two delimiters: the quotes of a string, the bars of a name) stands for: a line end of any kind is a line feed,
-/// so that a plan does not depend on how its file was copied. An unknown escape stands for itself and
-/// is told beside.
+/// The string that a body stands for, the text between the quotes of a string or the bars of a name: a line end of any
+/// kind is a line feed, so that a plan does not depend on how its file was copied. An unknown escape stands for itself
+/// and is told beside.
 pub fn unescape(body: &str, delimiter: char) -> (String, Vec<EscapeFault>) {
     let mut value = String::with_capacity(body.len());
     let mut faults = Vec::new();

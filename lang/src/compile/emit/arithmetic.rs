@@ -95,7 +95,7 @@ impl Emitter<'_, '_> {
         true
     }
 
-    /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: there are none
+    /// Emits a jump that is taken where a comparison does not hold; or where it `holds`, if it is of order: there is none
     /// for the opposite of equality.
     pub(super) fn compare_and_jump(&mut self, holds: bool, operation: Binary, left: &Ir, right: &Ir) -> usize {
         let immediate = |ir: &Ir| match ir.kind {

@@ -279,7 +279,7 @@ impl Emitter<'_, '_> {
             if made.contains(&captured) {
                 let position = IrKind::Int(position as i64);
                 let arguments = vec![of(IrKind::Local(function)), of(position), of(IrKind::Local(captured))];
-                let call = self.compiler.native_ir("%set-captured", arguments, span);
+                let call = self.compiler.native_ir("%close-over", arguments, span);
                 self.effect(&call);
             }
         }

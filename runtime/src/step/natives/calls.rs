@@ -16,11 +16,11 @@ pub(super) const NATIVES: &[Native] = &[
         code: Plain(|call| Ok(Reply::Call(call.argument(0), call.arguments[1..].to_vec()))),
     },
     Native {
-        name: "%set-captured",
+        name: "%close-over",
         parameters: "function position value",
         doc: "Gives a local function the value that it captures at a position; it was made before that value.",
         effect: Effect::None,
-        code: Plain(set_captured),
+        code: Plain(close_over),
     },
     Native {
         name: "apply",
@@ -59,7 +59,7 @@ pub(super) const NATIVES: &[Native] = &[
     },
 ];
 
-fn set_captured(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+fn close_over(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let value = call.argument(2);
     if let (Value::Closure(function), Value::Int(position)) = (call.argument(0), call.argument(1))
         && let Ok(position) = usize::try_from(position)

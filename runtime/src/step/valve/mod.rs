@@ -2,8 +2,9 @@
 //!
 //! # The rule
 //!
-//! A valve has places, an ordinary one a single place. A place is a stack. A *hold* says that a task has taken it; a *mark* above holds says that
-//! the valve was taken away there, and names the root of the subtree that has been suspended for it.
+//! A valve has places, an ordinary one a single place. A place is a stack. A *hold* says that a task has taken it; a
+//! *mark* above holds says that the valve was taken away there, and names the root of the subtree that has been
+//! suspended for it.
 //! The topmost hold is the *holder's*, as long as no mark lies above it.
 //!
 //! - **Taking.** Whoever is the holder or below it takes the valve at once: it *borrows* it, and its
