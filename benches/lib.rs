@@ -135,13 +135,14 @@ fn anchor_once(interpreter: &Interpreter, stem: &str) -> Option<f64> {
 /// What a program takes here, and its equals in other interpreters.
 #[derive(Debug)]
 pub struct Comparison {
-    /// Median milliseconds here.
+    /// Least milliseconds here.
     pub ours_ms: f64,
-    /// Median milliseconds of each interpreter that was found, the fastest first.
+    /// Least milliseconds of each interpreter that was found, the fastest first.
     pub peers: Vec<(&'static str, f64)>,
 }
 
-/// Runs a program and the scripts `anchors/STEM.*` in turn, so that what else the machine does is the same for all.
+/// Runs a program and the scripts `anchors/STEM.*` in turn, so that what else the machine does is the same for all. The
+/// least time counts: a processor that others use too has slow seconds, and no fast ones.
 pub fn compared(stem: &str, rounds: usize, mut ours_ms: impl FnMut() -> f64) -> Comparison {
     let mut ours = Vec::new();
     let mut theirs: Vec<(&'static str, Vec<f64>)> = INTERPRETERS.iter().map(|one| (one.name, Vec::new())).collect();
@@ -152,9 +153,14 @@ pub fn compared(stem: &str, rounds: usize, mut ours_ms: impl FnMut() -> f64) -> 
         }
     }
     let ran = theirs.into_iter().filter(|(_, times)| times.len() == rounds);
-    let mut peers: Vec<(&'static str, f64)> = ran.map(|(name, times)| (name, median(times))).collect();
+    let mut peers: Vec<(&'static str, f64)> = ran.map(|(name, times)| (name, least(times))).collect();
     peers.sort_by(|left, right| left.1.total_cmp(&right.1));
-    Comparison { ours_ms: median(ours), peers }
+    Comparison { ours_ms: least(ours), peers }
+}
+
+/// The smallest one.
+fn least(values: Vec<f64>) -> f64 {
+    values.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The middle one; of an even number, the higher of the two in the middle.

@@ -111,7 +111,7 @@ fn show(program: &Program, comparison: &Comparison) {
 /// The page of the book.
 fn page(rows: &[(&Program, Comparison)], started: Option<&Comparison>) -> String {
     let mut text = String::from(
-        "# Speed of the language\n\nThe same programs here and in other interpreters, none of which compiles to machine code while it runs. Milliseconds of processor time without starting up: medians of runs in turn. \"Ratio\" is our time by that of the fastest peer, so less is better.\n\n| program | ours | peers | ratio | goal |\n| --- | ---: | --- | ---: | ---: |\n",
+        "# Speed of the language\n\nThe same programs here and in other interpreters, none of which compiles to machine code while it runs. Milliseconds of processor time without starting up: the least of runs in turn. \"Ratio\" is our time by that of the fastest peer, so less is better.\n\n| program | ours | peers | ratio | goal |\n| --- | ---: | --- | ---: | ---: |\n",
     );
     for (program, comparison) in rows {
         let peers: Vec<String> = comparison.peers.iter().map(|(name, ms)| format!("{name} {ms:.1}")).collect();
