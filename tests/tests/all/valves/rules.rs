@@ -311,6 +311,30 @@ fn the_more_important_comes_first_when_a_borrower_gives_back() {
     );
 }
 
+/// r[valve.return-inside]
+#[test]
+fn after_an_interruption_from_inside_the_interrupted_borrower_and_those_outside_stand_in_one_line() {
+    let with_outsider = |outsider: &str| {
+        format!(
+            "(def-valve v)
+             (par (with-priority 1 (with-valve v
+                    (par (with-valve v (on-interrupt (print 'away) (on-resume (print 'again)
+                           (wait-time 3) (print (list 'inside (now))))))
+                         (with-priority 5 (wait-time 2) (with-valve v (wait-time 4))))))
+                  {outsider})"
+        )
+    };
+    // More important than the interrupted borrower, less than the one that interrupts it.
+    check(
+        &with_outsider("(with-priority 1 (with-priority 2 (wait-time 3) (with-valve v (print (list 'outside (now))) (wait-time 2))))"),
+        "away\n(outside 6.0)\nagain\n(inside 8.0)\n=> nil",
+    );
+    check(
+        &with_outsider("(with-priority 1 (wait-time 3) (with-valve v (print (list 'outside (now)))))"),
+        "away\nagain\n(inside 6.0)\n(outside 6.0)\n=> (outside 6.0)",
+    );
+}
+
 /// r[valve.chain]
 #[test]
 fn interruptions_survive_the_death_of_a_link() {
