@@ -1,5 +1,6 @@
 //! What the end-to-end tests share: running a text to its end, with or without a robot.
 
+pub mod attacker;
 pub mod deliveries;
 pub mod forger;
 pub mod generated;

@@ -85,7 +85,7 @@ fn run(case: &Case, command: &Path, folder: &Path) -> io::Result<Output> {
 
 fn look(case: &Case, output: &Output) -> Result<(), String> {
     let said = String::from_utf8_lossy(&output.stderr);
-    let first = || said.chars().take(600).collect::<String>();
+    let first = || beginning(&said);
     let Some(status) = output.status.code() else {
         return Err(format!("it ended by signal {:?}: {}", output.status.signal(), first()));
     };
@@ -95,22 +95,36 @@ fn look(case: &Case, output: &Output) -> Result<(), String> {
     if !KNOWN.contains(&status) {
         return Err(format!("exit status {status}: {}", first()));
     }
-    for word in ["panicked", "stack overflow", "memory allocation", "RUST_BACKTRACE"] {
-        if said.contains(word) {
-            return Err(format!("a user reads `{word}`: {}", first()));
-        }
-    }
     if status != 0 && said.trim().is_empty() && output.stdout.is_empty() {
         return Err(format!("exit status {status} without a word"));
     }
-    if output.stderr.len() > MOST_BYTES {
-        return Err(format!("{} bytes of messages: {}", output.stderr.len(), first()));
-    }
-    if said.contains('\u{1b}') {
-        return Err(format!("what steers a terminal is written raw: {:?}", first()));
-    }
+    look_at_words(&said)?;
     match case.expected {
         Expected::Refused if status != 2 => Err(format!("exit status {status} where 2 is expected: {}", first())),
         Expected::Refused | Expected::Anything => Ok(()),
     }
+}
+
+/// The first words of what was said.
+fn beginning(said: &str) -> String {
+    said.chars().take(600).collect()
+}
+
+/// Whether a user can read what the command wrote to standard error.
+///
+/// # Errors
+/// A fault of the command's own, too many words, or such as steer a terminal.
+pub fn look_at_words(said: &str) -> Result<(), String> {
+    for word in ["panicked", "stack overflow", "memory allocation", "RUST_BACKTRACE"] {
+        if said.contains(word) {
+            return Err(format!("a user reads `{word}`: {}", beginning(said)));
+        }
+    }
+    if said.len() > MOST_BYTES {
+        return Err(format!("{} bytes of messages: {}", said.len(), beginning(said)));
+    }
+    if said.contains(|c: char| c.is_control() && !matches!(c, '\n' | '\t')) {
+        return Err(format!("what steers a terminal is written raw: {:?}", beginning(said)));
+    }
+    Ok(())
 }

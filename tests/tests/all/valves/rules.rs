@@ -326,7 +326,9 @@ fn after_an_interruption_from_inside_the_interrupted_borrower_and_those_outside_
     };
     // More important than the interrupted borrower, less than the one that interrupts it.
     check(
-        &with_outsider("(with-priority 1 (with-priority 2 (wait-time 3) (with-valve v (print (list 'outside (now))) (wait-time 2))))"),
+        &with_outsider(
+            "(with-priority 1 (with-priority 2 (wait-time 3) (with-valve v (print (list 'outside (now))) (wait-time 2))))",
+        ),
         "away\n(outside 6.0)\nagain\n(inside 8.0)\n=> nil",
     );
     check(
