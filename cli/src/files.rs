@@ -1,7 +1,10 @@
 //! Files: which are read and written, and what is in them.
 
+#[cfg(unix)]
+mod accounts;
 pub mod case_files;
 pub mod examples;
+pub mod foreign;
 pub mod inputs;
 pub mod maps;
 pub mod module_files;

@@ -178,6 +178,7 @@ impl RecordedRun {
             seed: Some(self.seed),
             scenario: self.scenario.as_ref().map(|scenario| scenario.name.clone()),
             module: self.modules.iter().map(|module| module.name.clone()).collect(),
+            tells_modules: false,
         };
         let robot = robot_files::named(site.robot.as_deref())?;
         let world = site.world.as_deref().map(|name| world_files::named(name, &robot, self.seed)).transpose()?;

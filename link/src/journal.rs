@@ -5,9 +5,11 @@
 //! whole or not at all are written beside and renamed: what the run is, and [`checkpoint`]s. Those that grow are
 //! read up to where they are whole: [`frames`] are checked one by one, and a [`ledger`] is compared with what the
 //! run writes again. What came from outside, between two checkpoints, are [`inputs`].
+//! All of them are opened by [`own_file`].
 
 pub mod checkpoint;
 pub mod folder;
 pub mod frames;
 pub mod inputs;
 pub mod ledger;
+pub mod own_file;

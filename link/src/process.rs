@@ -25,6 +25,9 @@ const MOST_LAST_LINES: usize = 12;
 /// Bytes taken from a pipe at once.
 const CHUNK: usize = 64 << 10;
 
+/// How often a process that says nothing is looked after: what it has started may keep its pipes open when it has ended.
+const LOOKED_AFTER: Duration = Duration::from_millis(20);
+
 /// How long a process that has closed a pipe is waited for to end, to be able to say how it ended.
 const DYING: Duration = Duration::from_millis(300);
 
@@ -60,7 +63,7 @@ pub enum Heard {
     TooLong,
     /// The time is over.
     Nothing,
-    /// It has closed its standard output; what came after the last line.
+    /// It has closed its standard output, or has ended; what came after the last line.
     Closed(Vec<u8>),
 }
 
@@ -161,9 +164,17 @@ impl Process {
                 return Ok(heard);
             }
             let left = until.saturating_duration_since(Instant::now());
-            let ready = self.wait(left)?;
+            let ready = self.wait(left.min(LOOKED_AFTER))?;
             if ready.output && !self.read()? {
                 return Ok(Heard::Closed(self.incoming.split_off(self.taken)));
+            }
+            if !ready.output && self.has_ended() {
+                // What it wrote before it ended is in the pipe by now; nothing that comes later is its own.
+                let had = self.incoming.len() - self.taken;
+                if !self.read()? || self.incoming.len() == had {
+                    return Ok(Heard::Closed(self.incoming.split_off(self.taken)));
+                }
+                continue;
             }
             if ready.input {
                 self.write()?;
@@ -304,22 +315,22 @@ impl Process {
         waitid(WaitId::Pid(Pid::from_child(&self.child)), options).map_or(true, |status| status.is_some())
     }
 
-    /// Ends it after it has closed its standard output, and tells how that came, as a clause.
+    /// Ends it after it has closed its standard output or ended, and tells how that came, as a clause.
     pub fn autopsy(&mut self) -> String {
         let until = Instant::now() + DYING;
         while !self.has_ended() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(1));
         }
         let by_itself = self.has_ended();
+        let is_open = matches!(self.read(), Ok(true));
         self.end(Duration::ZERO);
-        match (by_itself, self.ended) {
-            (true, Some(status)) => match (status.code(), status.signal()) {
-                (Some(code), _) => format!("ended with exit status {code}"),
-                (None, Some(signal)) => format!("was ended by signal {signal}"),
-                (None, None) => "ended".to_string(),
-            },
-            (true | false, _) => "closed its standard output".to_string(),
-        }
+        let (true, Some(status)) = (by_itself, self.ended) else { return "closed its standard output".to_string() };
+        let how = match (status.code(), status.signal()) {
+            (Some(code), _) => format!("ended with exit status {code}"),
+            (None, Some(signal)) => format!("was ended by signal {signal}"),
+            (None, None) => "ended".to_string(),
+        };
+        if is_open { format!("{how}, while a process that it had started still has its standard output") } else { how }
     }
 
     /// The last lines that it wrote to its standard error.

@@ -58,6 +58,9 @@ pub struct SiteArguments {
     /// A module in another process, by its manifest; once for each
     #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
     pub module: Vec<String>,
+    /// Whether they were named elsewhere than on the command line, so that it is told what is started.
+    #[arg(skip)]
+    pub tells_modules: bool,
     /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     pub scenario: Option<String>,

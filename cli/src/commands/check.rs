@@ -28,8 +28,8 @@ use std::sync::Arc;
 /// or in the line above, takes it away; what is unused on purpose begins with an underscore.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files, or folders with plans; `-` for standard input; without
-    /// any, those of the folder of `rpl.toml`, in its world
+    /// Plan files, folders with plans, or a project, by its `rpl.toml`; `-` for standard input; without any, those of
+    /// the folder of the nearest `rpl.toml`, in its world
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
     /// The files are scenarios: plans with hands in the world
@@ -93,11 +93,10 @@ struct RelatedRecord {
     place: PlaceRecord,
 }
 
-/// The arguments, with what the project of the working folder says if they name no file.
-fn in_project(arguments: &Arguments) -> Result<Arguments> {
+/// The arguments, with what a project says if they name one or no file.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
     let mut arguments = arguments.clone();
-    if arguments.files.is_empty() {
-        let (file, project) = ProjectFile::of_working_folder("plan")?;
+    if let Some((file, project)) = ProjectFile::of(&arguments.files, ("check", "plan"), console)? {
         arguments.files = vec![ProjectFile::folder_of(&file)];
         if arguments.world.is_none() && !arguments.scenario {
             arguments.world = project.world;
@@ -112,7 +111,7 @@ fn in_project(arguments: &Arguments) -> Result<Arguments> {
 /// # Errors
 /// There is no such world or module, nothing is named and there is no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let arguments = &in_project(arguments)?;
+    let arguments = &in_project(arguments, console)?;
     let places = arguments.world.as_deref().map(places_of).transpose()?;
     let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
     let sites = match arguments.scenario {

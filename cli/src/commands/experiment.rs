@@ -133,7 +133,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         None => {
             let source = RunSource::Seeds(arguments.shard.unwrap_or(Shard::WHOLE));
-            (arguments.in_project()?.request(colour)?, Conduct { source, out: arguments.out.clone() }, arguments.json)
+            (
+                arguments.in_project(console)?.request(colour)?,
+                Conduct { source, out: arguments.out.clone() },
+                arguments.json,
+            )
         }
     };
     let findings = experiment::run(&request, how, console)?;
@@ -150,13 +154,11 @@ fn jobs(asked: Option<NonZero<usize>>) -> usize {
 }
 
 impl Arguments {
-    /// With what the project of the working folder says if no experiment is named. What they say themselves holds.
-    fn in_project(&self) -> Result<Self> {
+    /// With what a project says if one is named or nothing. What they say themselves holds.
+    fn in_project(&self, console: &mut Console) -> Result<Self> {
         let mut arguments = self.clone();
-        if arguments.name.is_some() {
-            return Ok(arguments);
-        }
-        let (file, project) = ProjectFile::of_working_folder("experiment")?;
+        let named = ProjectFile::of(arguments.name.as_slice(), ("experiment", "experiment"), console)?;
+        let Some((file, project)) = named else { return Ok(arguments) };
         let shown = file.display();
         arguments.name = Some(project.plan_to_run(&file)?);
         if arguments.world.is_none() {

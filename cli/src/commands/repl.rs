@@ -178,6 +178,11 @@ fn session_of(
     command_line: clap::Command,
     console: &mut Console,
 ) -> Result<Status> {
+    if kept.head.has_outside() {
+        bail!(
+            "the journal is no session's: it names modules or a host in other processes, and a session with a journal has none"
+        );
+    }
     let (site, world, _) = kept.site(ModuleVoices::Processes(GoingBack::Session))?;
     let seed = kept.head.run.seed;
     let loads = past.loads_at(0);

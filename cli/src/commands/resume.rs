@@ -15,13 +15,14 @@ use crate::run_record::Records;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use crate::trace::TraceFile;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
 use rpl_link::journal::inputs::PastInputs;
+use rpl_link::journal::own_file;
 use rpl_link::recording::RecordedTurns;
 use rpl_runtime::run::system::System;
-use std::fs;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,6 +42,9 @@ pub struct Arguments {
     /// them
     #[arg(long)]
     pub changed: bool,
+    /// Goes on with a journal that may be somebody else's without asking: what it names is started, and written
+    #[arg(long)]
+    pub foreign: bool,
     /// Goes on with a copy of the trace in this file: two copies of a journal cannot write one
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub trace: Option<PathBuf>,
@@ -67,6 +71,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         let shown = path.display();
         bail!("`{shown}` is the journal of a session at the prompt: `rpl repl --journal {shown}` goes on with it");
     };
+    journal::ask_about_foreign(path, &kept, arguments.foreign, console)?;
     let folder = journal::take(path)?;
     let end = JournalEnd::read(path)?;
     if let Some(end) = end.as_ref().filter(|end| end.how != EndKind::Until) {
@@ -76,7 +81,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let before = journal::went_on(path)?.unwrap_or_else(begun);
     let going_on = GoingOn {
         until_us: arguments.until.or(before.until_us.filter(|_| end.is_none())),
-        trace: trace(before.trace, arguments)?,
+        trace: trace(&kept, before.trace, arguments, console)?,
     };
     let changes = changes(&kept, arguments, console)?;
     let source = reach(&kept, arguments.host.as_deref())?;
@@ -86,6 +91,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         return Ok(Status::Wrong);
     };
     let seed = kept.head.run.seed;
+    if !arguments.quiet {
+        modules.tell(console);
+    }
     modules.start(&site, seed, None)?;
     let (robot, host_lines) = source.robot(&site, seed, Use::Run, None)?;
     let load = |bytes: &[u8]| Ok(System::load(bytes, site.library.clone(), loaded.clone(), robot.clone())?);
@@ -178,22 +186,61 @@ fn hear_again(
 /// Where the trace is: where it was, or in the file that is named now, which begins as a copy of it.
 ///
 /// # Errors
-/// The run has none, or it cannot be copied.
-fn trace(before: Option<PathBuf>, arguments: &Arguments) -> Result<Option<PathBuf>> {
-    let Some(named) = &arguments.trace else { return Ok(before) };
+/// The run has none, it is no trace of the run, or it cannot be copied.
+fn trace(
+    kept: &KeptRun,
+    before: Option<PathBuf>,
+    arguments: &Arguments,
+    console: &mut Console,
+) -> Result<Option<PathBuf>> {
     let Some(before) = before else {
-        bail!("the run has no trace to go on with: it was begun without `--trace`");
+        match arguments.trace {
+            Some(_) => bail!("the run has no trace to go on with: it was begun without `--trace`"),
+            None => return Ok(None),
+        }
     };
-    let now = std::path::absolute(named).context("the working folder is gone")?;
-    if now != before {
-        let so_far = match fs::read(&before) {
-            // What is missing is computed again.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            read => read.with_context(|| format!("cannot read the trace `{}`", before.display()))?,
-        };
-        OutputFile::open(&now, "the trace")?.write(&so_far)?;
+    let header = serde_json::to_string(&kept.head.run.trace_header())? + "\n";
+    let so_far = trace_so_far(&before, &header);
+    let named =
+        arguments.trace.as_deref().map(std::path::absolute).transpose().context("the working folder is gone")?;
+    let Some(now) = named.filter(|now| *now != before) else {
+        let shown = arguments.journal.display();
+        so_far.map_err(|why| anyhow!("{why:#}; move it, or go on elsewhere: `rpl resume {shown} --trace FILE`"))?;
+        return Ok(Some(before));
+    };
+    let folder_of_trace = now.parent().and_then(|folder| folder.canonicalize().ok());
+    if folder_of_trace.is_some() && folder_of_trace == arguments.journal.canonicalize().ok() {
+        bail!("the trace cannot go into the folder of the journal, where `{}` lies; name another file", now.display());
+    }
+    let mut out = OutputFile::open(&now, "the trace")?.begin()?;
+    match so_far {
+        Ok(Some(mut so_far)) => {
+            io::copy(&mut so_far, &mut out).with_context(|| format!("cannot write the trace `{}`", now.display()))?;
+        }
+        // What is missing is computed again.
+        Ok(None) => {}
+        Err(why) => console.note(&format!("{why:#}; the trace is computed anew")),
     }
     Ok(Some(now))
+}
+
+/// The trace of a run as it is, if it is there: a file that begins with the header of the run.
+///
+/// # Errors
+/// It cannot be read, or begins otherwise.
+fn trace_so_far(path: &Path, header: &str) -> Result<Option<File>> {
+    let shown = path.display();
+    let mut file = match own_file::open_named(path, File::options().read(true)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        opened => opened.with_context(|| format!("cannot read the trace `{shown}`"))?,
+    };
+    let mut begins = Vec::new();
+    let read = file.by_ref().take(header.len() as u64).read_to_end(&mut begins).and_then(|_| file.rewind());
+    read.with_context(|| format!("cannot read the trace `{shown}`"))?;
+    if !header.as_bytes().starts_with(&begins) {
+        bail!("`{shown}` is no trace of this run, and is not overwritten");
+    }
+    Ok(Some(file))
 }
 
 /// The run has ended already.

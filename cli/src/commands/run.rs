@@ -36,7 +36,8 @@ use std::time::Instant;
 /// Runs a plan
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, or a built-in example; `-` for standard input; without it, what `rpl.toml` names, in its world
+    /// A plan file, a built-in example, or a project, by its `rpl.toml`; `-` for standard input; without it, what the
+    /// `rpl.toml` of this folder or above it names, in its world
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: Option<String>,
     #[command(flatten)]
@@ -148,22 +149,21 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
              `--cases` away, or `--journal` and `--record`"
         );
     }
-    let arguments = in_project(arguments)?;
+    let arguments = in_project(arguments, console)?;
     let source = arguments.host.reach(&arguments.site)?;
     run_on(&arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
 
-/// The arguments, with what the project of the working folder says if they name no plan. What they say themselves holds.
-fn in_project(arguments: &Arguments) -> Result<Arguments> {
+/// The arguments, with what a project says if they name one or no plan. What they say themselves holds.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
     let mut arguments = arguments.clone();
-    if arguments.file.is_some() {
-        return Ok(arguments);
-    }
-    let (file, project) = ProjectFile::of_working_folder("plan")?;
+    let named = arguments.file.as_slice();
+    let Some((file, project)) = ProjectFile::of(named, ("run", "plan"), console)? else { return Ok(arguments) };
     arguments.file = Some(project.plan_to_run(&file)?);
     if arguments.site.world.is_none() {
         (arguments.site.world, arguments.site.robot) = (project.world, project.robot);
         arguments.site.module = project.modules;
+        arguments.site.tells_modules = true;
     }
     arguments.site.seed = arguments.site.seed.or(project.seed);
     Ok(arguments)
@@ -218,6 +218,9 @@ pub fn run_on(
     let mcap = mcap.map(|file| McapRecording::begin(file, site.office())).transpose()?;
     let wants_events = trace.is_some() || mcap.is_some() || world.is_some() || live.is_some();
     let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
+    if arguments.site.tells_modules {
+        modules.tell(console);
+    }
     modules.start(&site, seed, hearing.as_ref())?;
     let (robot, host_lines) = source.robot(&site, seed, Use::Run, hearing)?;
     let system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);

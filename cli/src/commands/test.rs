@@ -41,8 +41,8 @@ use std::time::Instant;
 /// Runs the tests in plans
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files with `deftest` forms, or folders with plans; `-` for standard input; without
-    /// any, those of the folder of `rpl.toml`, in its world
+    /// Plan files with `deftest` forms, folders with plans, or a project, by its `rpl.toml`; `-` for standard input;
+    /// without any, those of the folder of the nearest `rpl.toml`, in its world
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
     /// Runs only the tests whose name contains this
@@ -57,6 +57,9 @@ pub struct Arguments {
     /// A module in another process, by its manifest, for the tests in a world; once for each
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
+    /// Whether they were named elsewhere than on the command line, so that it is told what is started.
+    #[arg(skip)]
+    tells_modules: bool,
     /// The seed of the tests that name none; 1 without
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -115,15 +118,15 @@ impl TestRecord {
     }
 }
 
-/// The arguments, with what the project of the working folder says if they name no file.
-fn in_project(arguments: &Arguments) -> Result<Arguments> {
+/// The arguments, with what a project says if they name one or no file.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
     let mut arguments = arguments.clone();
-    if arguments.files.is_empty() {
-        let (file, project) = ProjectFile::of_working_folder("test")?;
+    if let Some((file, project)) = ProjectFile::of(&arguments.files, ("test", "test"), console)? {
         arguments.files = vec![ProjectFile::folder_of(&file)];
         if arguments.world.is_none() {
             (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
             arguments.module = project.modules;
+            arguments.tells_modules = true;
         }
         arguments.seed = arguments.seed.or(project.seed);
     }
@@ -135,27 +138,31 @@ fn in_project(arguments: &Arguments) -> Result<Arguments> {
 /// # Errors
 /// There is no test, or no file and no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let arguments = &in_project(arguments)?;
+    let arguments = &in_project(arguments, console)?;
     let junit = arguments.junit.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
     let _stops = interrupt::stops_runs();
     let began = Instant::now();
     let files = plan_files::named(&arguments.files);
     let colour = console.out_colour();
     let robot = robot_files::named(arguments.robot.as_deref())?;
+    let (modules, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
     let mut session = TestSession {
         arguments,
         robot,
         colour,
         is_one: files.len() == 1,
         sites: BTreeMap::new(),
-        modules: module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?.1,
+        modules: sources,
+        starts_modules: false,
         report: TestReport::default(),
     };
-    for name in files {
-        let plan = name
-            .as_ref()
-            .map_err(Clone::clone)
-            .and_then(|name| plans::plan(name).map_err(|error| format!("{error:#}")));
+    let plans: Vec<_> = files.iter().map(read).collect();
+    // Nothing is started for texts that have errors.
+    session.starts_modules = !session.modules.is_empty() && session.are_all_right(&plans)?;
+    if session.starts_modules && arguments.tells_modules {
+        modules.tell(console);
+    }
+    for (name, plan) in files.into_iter().zip(plans) {
         match plan {
             Ok(plan) => session.file(&plan, console)?,
             // The tests of the other files can still run.
@@ -224,12 +231,29 @@ struct TestSession<'a> {
     is_one: bool,
     /// Building the models of a world takes longer than most tests.
     sites: BTreeMap<TestPlace, Site>,
-    /// Those in other processes.
+    /// Those in other processes, and whether they may be started.
     modules: Vec<ModuleSource>,
+    starts_modules: bool,
     report: TestReport,
 }
 
+/// A text that is named, or why it cannot be read.
+fn read(name: &Result<String, String>) -> Result<PlanText, String> {
+    name.as_ref().map_err(Clone::clone).and_then(|name| plans::plan(name).map_err(|error| format!("{error:#}")))
+}
+
 impl TestSession<'_> {
+    /// Whether all texts are there, and none has an error.
+    fn are_all_right(&self, plans: &[Result<PlanText, String>]) -> Result<bool> {
+        for plan in plans {
+            let Ok(plan) = plan else { return Ok(false) };
+            if load_without_world(plan, &self.modules)?.is_err() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// Runs the tests of a file.
     fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<()> {
         let (site, loaded) = match load_without_world(plan, &self.modules)? {
@@ -278,6 +302,10 @@ impl TestSession<'_> {
             return self.run_test(site, loaded.clone(), test, None);
         }
         let (_, loaded) = without_world;
+        if !self.modules.is_empty() && !self.starts_modules {
+            let reason = "it cannot run: its modules are not started while there are texts with errors";
+            return Ok(self.never_run(test, loaded, world, reason));
+        }
         let is_drawn = world.as_deref().is_some_and(world_files::is_drawn);
         let drawn_from = if is_drawn { self.seed_of(test) } else { 0 };
         match self.set_up(plan, (world.clone(), drawn_from, scenario)) {

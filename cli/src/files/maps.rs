@@ -36,5 +36,8 @@ pub fn ros_map(name: &Path) -> Result<MapFile> {
     map.check_size(&image).map_err(|error| anyhow!("the map `{shown}` cannot be used: {error}"))?;
     let warnings = Greys::of(&map, &image).warnings();
     let warnings = warnings.into_iter().map(|warning| format!("warning: {shown}: {warning}")).collect();
-    Ok(MapFile { grid: map.grid(&image), warnings })
+    let grid = map.grid(&image);
+    drop(image);
+    grid.check_walls().map_err(|noise| anyhow!("the map `{shown}` cannot be used: {noise}"))?;
+    Ok(MapFile { grid, warnings })
 }

@@ -1,6 +1,7 @@
 //! Modules in other processes, as the command line names them: by the files of their manifests.
 
 use super::inputs;
+use crate::terminal::console::Console;
 use anyhow::{Result, anyhow, bail};
 use rpl_link::process_opener::{Opener, line_name};
 use rpl_link::recording::{RecordedTurns, Recorder};
@@ -8,7 +9,7 @@ use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
 use rpl_mission::site::Site;
 use rpl_protocol::line::Line;
 use rpl_protocol::module::manifest::Manifest;
-use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords};
+use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords, shortened};
 use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
 use rpl_robot::office::PlanText;
 use std::path::{Path, PathBuf};
@@ -140,6 +141,15 @@ impl Modules {
         let opener = Arc::new(Opener::new(manifest, folder.to_path_buf(), kept));
         self.openers.push(opener.clone());
         Ok(Arc::new(move |greeting| opener.open(greeting)))
+    }
+
+    /// Tells what is started for them.
+    pub fn tell(&self, console: &mut Console) {
+        for module in &self.openers {
+            let Manifest { name, command, .. } = &*module.manifest;
+            let (command, folder) = (shortened(&command.join(" ")), module.folder.display());
+            console.note(&format!("the module `{name}` is started: `{command}`, in `{folder}`"));
+        }
     }
 
     /// Starts them for the run that is about to begin at a site, with this seed.

@@ -21,7 +21,8 @@ pub struct OutputFile {
     /// What it is, as errors call it: "the trace".
     what: &'static str,
     file: Option<File>,
-    is_new: bool,
+    /// The file that was made, behind the link if the path is one.
+    made: Option<PathBuf>,
 }
 
 impl OutputFile {
@@ -39,7 +40,8 @@ impl OutputFile {
             }
             _ => anyhow::anyhow!("cannot write {what} `{shown}`: {}", inputs::reason(&error)),
         })?;
-        let output = Self { path: path.to_path_buf(), what, file: Some(file), is_new };
+        let made = is_new.then(|| path.canonicalize().unwrap_or(path.to_path_buf()));
+        let output = Self { path: path.to_path_buf(), what, file: Some(file), made };
         refuse_input(path, what)?;
         if let Some(identity) = inputs::identity(path)
             && let Ok(mut opened) = OPENED.lock()
@@ -86,9 +88,9 @@ impl OutputFile {
 
 impl Drop for OutputFile {
     fn drop(&mut self) {
-        if self.file.is_some() && self.is_new {
+        if let (Some(_), Some(made)) = (&self.file, &self.made) {
             // It was made only to see whether it can be made.
-            fs::remove_file(&self.path).ok();
+            fs::remove_file(made).ok();
         }
     }
 }

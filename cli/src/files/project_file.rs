@@ -1,7 +1,9 @@
 //! `rpl.toml`: what the plans of a folder are for.
 
+use super::foreign::why_foreign;
 use super::inputs;
-use anyhow::{Result, anyhow};
+use crate::terminal::console::Console;
+use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -34,12 +36,34 @@ impl ProjectFile {
         path.ancestors().skip(1).map(|folder| folder.join(PROJECT_FILE)).find(|file| file.is_file())
     }
 
-    /// The project that the working folder belongs to, for a command that was given no file; what was to be named is
-    /// said if there is none.
+    /// The project that a command is about: one that is named by its file, or, if nothing is named, that of the working
+    /// folder, which is told. None if something else is named; what was to be named, and by which command, is said if
+    /// there is nothing.
     ///
     /// # Errors
-    /// There is none, or its file cannot be read, or has faults.
-    pub fn of_working_folder(what: &str) -> Result<(PathBuf, Self)> {
+    /// There is none, somebody else may have written it, it cannot be read, or it has faults.
+    pub fn of(
+        names: &[String],
+        (command, what): (&str, &str),
+        console: &mut Console,
+    ) -> Result<Option<(PathBuf, Self)>> {
+        let file = match names {
+            [] => {
+                let file = Self::of_working_folder(command, what)?;
+                if !console.quiet {
+                    console.note(&format!("the project is `{}`", file.display()));
+                }
+                file
+            }
+            [name] if Path::new(name).file_name().is_some_and(|name| name == PROJECT_FILE) => name.into(),
+            _ => return Ok(None),
+        };
+        let project = Self::read(&file)?;
+        Ok(Some((file, project)))
+    }
+
+    /// The file of the working folder or above it that this user can be taken to mean.
+    fn of_working_folder(command: &str, what: &str) -> Result<PathBuf> {
         let here = std::env::current_dir().map_err(|error| anyhow!("the working folder is gone: {error}"))?;
         // As if it were a file in the working folder.
         let file = Self::above(&here.join(PROJECT_FILE)).ok_or_else(|| {
@@ -49,8 +73,18 @@ impl ProjectFile {
             )
         })?;
         let file = file.strip_prefix(&here).map_or(file.clone(), Path::to_path_buf);
-        let project = Self::read(&file)?;
-        Ok((file, project))
+        let shown = file.display();
+        let why = match is_above_home(&file) {
+            true => Some("it lies above the home folder".to_string()),
+            false => why_foreign(&file).map_err(|error| anyhow!("cannot look at `{shown}`: {error}"))?,
+        };
+        match why {
+            Some(why) => bail!(
+                "no {what} is named, and `{shown}` may not be yours: {why}; it can start programs, so look into it, and \
+                 name it then: `rpl {command} {shown}`"
+            ),
+            None => Ok(file),
+        }
     }
 
     /// What `rpl run` runs.
@@ -95,6 +129,13 @@ impl ProjectFile {
             modules: known.modules.into_iter().map(beside).collect(),
         })
     }
+}
+
+/// Whether the home folder lies below that of a file: then it is no project of one user.
+fn is_above_home(file: &Path) -> bool {
+    let folder = Path::new(&ProjectFile::folder_of(file)).canonicalize();
+    let home = std::env::home_dir().filter(|home| home.is_absolute()).and_then(|home| home.canonicalize().ok());
+    folder.ok().zip(home).is_some_and(|(folder, home)| home != folder && home.starts_with(&folder))
 }
 
 #[cfg(test)]

@@ -11,10 +11,10 @@ use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
 use rpl_link::journal::frames;
+use rpl_link::journal::own_file;
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::io;
 use std::path::Path;
 
@@ -44,7 +44,7 @@ pub struct Change {
 /// They cannot be read.
 pub fn of_journal(journal: &Path) -> Result<Vec<Change>> {
     let shown = journal.display();
-    let bytes = match fs::read(journal.join(CHANGES)) {
+    let bytes = match own_file::read(&journal.join(CHANGES)) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => bail!("cannot read `{CHANGES}` of the journal `{shown}`: {error}"),

@@ -6,6 +6,7 @@ use super::head::KeptRun;
 use super::ledgers::Ledgers;
 use anyhow::{Context, Result, ensure};
 use rpl_link::journal::checkpoint;
+use rpl_link::journal::own_file;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -53,7 +54,7 @@ pub fn numbers(journal: &Path) -> io::Result<Vec<u64>> {
 pub fn times(journal: &Path, run: u32) -> io::Result<Vec<(u64, u64)>> {
     let mut times = Vec::new();
     for number in numbers(journal)? {
-        let bytes = fs::read(journal.join(name(number)))?;
+        let bytes = own_file::read(&journal.join(name(number)))?;
         let state = checkpoint::read::<DriverState>(&bytes).ok().map(|(state, _)| state);
         times.extend(state.filter(|state| state.run == run).map(|state| (state.time_us, bytes.len() as u64)));
     }
@@ -95,7 +96,7 @@ pub fn newest<S>(
     let number = numbers.first().map_or(0, |newest| newest + 1);
     for &at in &numbers {
         let mut opened = || {
-            let bytes = fs::read(journal.join(name(at)))?;
+            let bytes = own_file::read(&journal.join(name(at)))?;
             let (state, saved) = checkpoint::read::<DriverState>(&bytes)?;
             ensure!(state.run == run, "it belongs to another run");
             let ledgers = Ledgers::go_on(journal, trace, Some(&state))?;

@@ -5,6 +5,7 @@ use crate::status::Status;
 use anyhow::{Result, bail};
 use rpl_link::journal::folder::JournalFolder;
 use rpl_link::journal::frames;
+use rpl_link::journal::own_file;
 use rpl_runtime::run::system::Outcome;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -78,7 +79,7 @@ pub fn went_on(journal: &Path) -> Result<Option<GoingOn>> {
 /// It cannot be read, or was changed.
 fn read_frame<T: DeserializeOwned>(journal: &Path, name: &str) -> Result<Option<T>> {
     let shown = journal.display();
-    let bytes = match fs::read(journal.join(name)) {
+    let bytes = match own_file::read(&journal.join(name)) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => bail!("cannot read `{name}` of the journal `{shown}`: {error}"),

@@ -10,10 +10,12 @@ use crate::sites;
 use crate::version::BUILD;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_link::journal::frames;
+use rpl_link::journal::own_file;
 use rpl_mission::site::{Setup, Site};
 use rpl_robot::office::OfficeSettings;
 use rpl_robot::world::World;
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The file that has it.
@@ -23,9 +25,6 @@ const MAGIC: &[u8; 8] = b"RPLJOURN";
 
 /// The version of the layout.
 const LAYOUT: u64 = 1;
-
-/// A longer file is none of a journal.
-const MOST_BYTES: u64 = 512 << 20;
 
 /// What the run is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -193,11 +192,12 @@ impl KeptRun {
     pub fn read(journal: &Path) -> Result<Self> {
         let shown = journal.display();
         let path = journal.join(RUN);
-        if !path.exists() {
-            bail!("`{shown}` is no journal: it has no file `{RUN}`; `rpl run FILE --journal {shown}` begins one");
-        }
-        let bytes = inputs::read_bytes(&path, MOST_BYTES)
-            .map_err(|why| anyhow!("cannot read the journal `{shown}`: `{RUN}`: {why}"))?;
+        let bytes = own_file::read(&path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {
+                anyhow!("`{shown}` is no journal: it has no file `{RUN}`; `rpl run FILE --journal {shown}` begins one")
+            }
+            _ => anyhow!("cannot read the journal `{shown}`: `{RUN}`: {}", inputs::reason(&error)),
+        })?;
         let damaged = || anyhow!("the journal `{shown}` is damaged: the file `{RUN}` was changed or cut off");
         let Some(rest) = bytes.strip_prefix(MAGIC) else {
             bail!("`{shown}` is no journal: its file `{RUN}` does not begin with `RPLJOURN`");

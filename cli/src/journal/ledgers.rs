@@ -4,7 +4,8 @@ use super::driver_state::DriverState;
 use crate::files::outputs::OutputFile;
 use anyhow::{Context, Result};
 use rpl_link::journal::ledger::{Ledger, LedgerFault, LedgerMark};
-use std::fs::File;
+use rpl_link::journal::own_file;
+use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;
 
@@ -13,6 +14,9 @@ pub const OUTPUT: &str = "output.txt";
 
 /// What was told on the way: what happened, and what plans logged.
 pub const LOG: &str = "log.txt";
+
+/// How a file is opened.
+type Opening = fn(&Path, &mut OpenOptions) -> io::Result<File>;
 
 /// The files that a run writes on and on.
 #[derive(Debug)]
@@ -33,7 +37,7 @@ impl Ledgers {
     pub fn begin(journal: &Path, trace: Option<OutputFile>) -> Result<Self> {
         let begin = |name: &str| -> Result<Ledger> {
             let path = journal.join(name);
-            let opened = File::options().read(true).write(true).create(true).truncate(true).open(&path);
+            let opened = own_file::open(&path, File::options().read(true).write(true).create(true).truncate(true));
             let begun = opened.map_err(LedgerFault::from).and_then(Ledger::begin);
             begun.with_context(|| format!("cannot write `{}`", path.display()))
         };
@@ -47,9 +51,17 @@ impl Ledgers {
     /// # Errors
     /// They are not what they were, or cannot be written.
     pub fn go_on(journal: &Path, trace: Option<&Path>, state: Option<&DriverState>) -> Result<Self> {
-        let go_on = |path: &Path, mark: Option<LedgerMark>| {
-            let opened = Ledger::go_on(path, mark.unwrap_or_default());
-            opened.map_err(|fault| match fault {
+        let go_on = |path: &Path, open: Opening, mark: Option<LedgerMark>| {
+            let mark = mark.unwrap_or_default();
+            let mut options = File::options();
+            let opened = match open(path, options.read(true).write(true)) {
+                // Made only where there is nothing at all: a link that leads nowhere is no place for a file.
+                Err(error) if error.kind() == io::ErrorKind::NotFound && mark.length == 0 => {
+                    open(path, options.create_new(true))
+                }
+                opened => opened,
+            };
+            opened.map_err(LedgerFault::from).and_then(|file| Ledger::go_on(file, mark)).map_err(|fault| match fault {
                 LedgerFault::Disk(error) if error.kind() == io::ErrorKind::NotFound => {
                     anyhow::anyhow!("`{}` is not there any more", path.display())
                 }
@@ -57,9 +69,11 @@ impl Ledgers {
             })
         };
         Ok(Self {
-            output: go_on(&journal.join(OUTPUT), state.map(|state| state.output))?,
-            log: go_on(&journal.join(LOG), state.map(|state| state.log))?,
-            trace: trace.map(|path| go_on(path, state.and_then(|state| state.trace))).transpose()?,
+            output: go_on(&journal.join(OUTPUT), own_file::open, state.map(|state| state.output))?,
+            log: go_on(&journal.join(LOG), own_file::open, state.map(|state| state.log))?,
+            trace: trace
+                .map(|path| go_on(path, own_file::open_named, state.and_then(|state| state.trace)))
+                .transpose()?,
         })
     }
 }

@@ -8,10 +8,11 @@ use crate::files::plans::{self, KeptLoad, PlanText};
 use anyhow::{Context, Result, bail};
 use rpl_link::journal::folder::JournalFolder;
 use rpl_link::journal::frames;
+use rpl_link::journal::own_file;
 use rpl_link::recording::Typed;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -68,7 +69,8 @@ impl PastSession {
     /// It cannot be read, or has what no session has written.
     pub fn read(journal: &Path) -> Result<Self> {
         let shown = journal.display();
-        let bytes = fs::read(journal.join(TYPED)).with_context(|| format!("cannot read the journal `{shown}`"))?;
+        let bytes =
+            own_file::read(&journal.join(TYPED)).with_context(|| format!("cannot read the journal `{shown}`"))?;
         let found = frames::read(&bytes);
         let mut past = Self { length: found.length as u64, ..Self::default() };
         for frame in found.whole {
@@ -99,7 +101,7 @@ impl SessionJournal {
         let shown = path.display();
         let folder = begin_folder(path)?;
         let unwritten = || format!("cannot write the journal `{shown}`");
-        let file = File::create(path.join(TYPED)).with_context(unwritten)?;
+        let file = File::create_new(path.join(TYPED)).with_context(unwritten)?;
         folder.write(RUN, &kept.bytes()?, kept.head.sync != SyncArgument::Never).with_context(unwritten)?;
         Ok(Self { _folder: folder, file, loads: 0, time_us: 0, is_given_up: false })
     }
@@ -111,7 +113,7 @@ impl SessionJournal {
     pub fn go_on(path: &Path) -> Result<(Self, PastSession)> {
         let folder = take(path)?;
         let past = PastSession::read(path)?;
-        let opened = File::options().append(true).open(path.join(TYPED));
+        let opened = own_file::open(&path.join(TYPED), File::options().append(true));
         let cut = opened.and_then(|file| file.set_len(past.length).map(|()| file));
         let file = cut.with_context(|| format!("cannot write the journal `{}`", path.display()))?;
         let time_us = past.typed.last().map_or(0, |last| last.time_us);

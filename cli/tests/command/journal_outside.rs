@@ -201,6 +201,7 @@ fn a_module_is_started_anew_and_its_behaviours_are_interrupted_alone() {
     let ended = resume(&folder, &[]);
     assert!(ended.errors.contains("from the checkpoint at 2.5 s") && ended.status == 0, "{}", ended.errors);
     assert_eq!(ended.out, "again\ndark\n(blinked 2)\nt\n");
+    assert!(ended.errors.contains("the module `lamp` is started: `python3 lamp.py`"), "{}", ended.errors);
 
     put(&folder, "lamp.toml", format!("# changed\n{}", text_in(&folder, "lamp.toml")));
     fs::remove_file(folder.join("j/end")).expect("it has ended");

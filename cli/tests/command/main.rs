@@ -14,6 +14,7 @@ mod experiment;
 mod figures;
 mod fmt;
 mod folder;
+mod foreign;
 mod help;
 mod hosts;
 mod journal;

@@ -22,6 +22,16 @@ fn put_world(folder: &Path) {
 
 #[cfg(unix)]
 #[test]
+fn a_trial_behind_a_link_that_leads_nowhere_leaves_the_link() {
+    let folder = folder("outputs-dangling");
+    std::os::unix::fs::symlink("nowhere", folder.join("link")).expect("a link can be made");
+    let Ended { errors, status, .. } = run_in(&folder, &["worlds", "test-room", "--svg", "link", "--png", "no/x.png"]);
+    assert!(status == 2 && errors.contains("there is no folder `no`"), "{errors}");
+    assert_eq!(names(&folder), ["link"]);
+}
+
+#[cfg(unix)]
+#[test]
 fn no_output_takes_the_place_of_an_input() {
     let folder = folder("outputs-inputs");
     put(&folder, "plan.rpl", "(load \"part.rpl\") (print 'never)");

@@ -122,3 +122,38 @@ fn an_arena_is_drawn_from_the_seed_and_its_file_is_the_same_building() {
     let suggested = rpl(&folder, "worlds arenas").errors;
     assert!(suggested.contains("did you mean `arena`?"), "{suggested}");
 }
+
+/// A map of so many cells along each side, 5 mm each, in a folder of the test's own.
+#[cfg(target_os = "linux")]
+fn map_of(name: &str, cells: usize, is_occupied: impl Fn(usize, usize) -> bool) -> std::path::PathBuf {
+    let folder = folder(name);
+    let yaml =
+        "image: map.pgm\nresolution: 0.005\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    put(&folder, "map.yaml", yaml);
+    let mut image = format!("P5 {cells} {cells} 255\n").into_bytes();
+    image.extend((0..cells * cells).map(|at| if is_occupied(at % cells, at / cells) { 0 } else { 255 }));
+    put(&folder, "map.pgm", image);
+    folder
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_map_takes_little_memory_for_each_pixel() {
+    // Nine million pixels, and memory for 16 bytes of each: that of the rest is there too.
+    let folder = map_of("worlds-map-memory", 3000, |_, _| false);
+    let limited = format!("ulimit -d {}; exec \"$0\" worlds map.yaml", 9_000_000 * 16 / 1024);
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &limited, env!("CARGO_BIN_EXE_rpl")]).env("RAYON_NUM_THREADS", "1").current_dir(&folder);
+    let output = shell.output().expect("it starts");
+    let (out, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && out.contains("3000 by 3000 cells"), "{out}{errors}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_map_of_noise_is_refused_before_it_becomes_bodies() {
+    let is_room = |column: usize, row: usize| column < 300 && row < 300;
+    let folder = map_of("worlds-map-noise", 1600, |column, row| (column + row) % 2 == 0 && !is_room(column, row));
+    let Ended { errors, status, .. } = run_in(&folder, &["worlds", "map.yaml"]);
+    assert!(status == 2 && errors.contains("in more than 1048576 pieces"), "{errors}");
+}

@@ -1,5 +1,6 @@
 //! The folder of a journal: who has it, and files in it that are there whole or not at all.
 
+use super::own_file;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ impl JournalFolder {
     pub fn take(path: &Path) -> Result<Self, FolderFault> {
         fs::create_dir_all(path)?;
         let lock = path.join(LOCK);
-        let mut file = File::options().read(true).write(true).create(true).truncate(false).open(&lock)?;
+        let mut file = own_file::open(&lock, File::options().read(true).write(true).create(true).truncate(false))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Err(FolderFault::Taken(holder(&mut file))),
@@ -68,7 +69,7 @@ impl JournalFolder {
 /// # Errors
 /// It cannot be looked at.
 pub fn taken_by(path: &Path) -> io::Result<Option<String>> {
-    let mut file = File::open(path.join(LOCK))?;
+    let mut file = own_file::open(&path.join(LOCK), File::options().read(true))?;
     match file.try_lock_shared() {
         Ok(()) => Ok(None),
         Err(TryLockError::WouldBlock) => Ok(Some(holder(&mut file))),
@@ -91,7 +92,12 @@ fn holder(lock: &mut File) -> String {
 /// The disk is full or gone.
 pub fn write_whole(folder: &Path, name: &str, parts: &[&[u8]], outlives_power: bool) -> io::Result<()> {
     let new = folder.join(format!("{name}{NEW}"));
-    let written = File::create(&new).and_then(|mut file| {
+    // What a process that died has left makes room, whatever it is.
+    match fs::remove_file(&new) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Ok(()) | Err(_) => {}
+    }
+    let written = File::create_new(&new).and_then(|mut file| {
         parts.iter().try_for_each(|part| file.write_all(part))?;
         if outlives_power { file.sync_all() } else { Ok(()) }
     });

@@ -8,6 +8,7 @@
 
 use super::frames;
 use super::ledger::{Ledger, LedgerFault, LedgerMark};
+use super::own_file;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -81,7 +82,7 @@ fn numbers(folder: &Path) -> io::Result<Vec<u64>> {
 
 fn opened(folder: &Path, number: u64) -> io::Result<Ledger> {
     let path = folder.join(name(number));
-    let file = File::options().read(true).write(true).create(true).truncate(true).open(path)?;
+    let file = own_file::open(&path, File::options().read(true).write(true).create(true).truncate(true))?;
     Ledger::begin(file).map_err(of_disk)
 }
 
@@ -109,7 +110,10 @@ impl Inputs {
     /// The folder cannot be written.
     pub fn go_on(folder: &Path, past: &PastInputs, checkpoint: Option<u64>) -> Result<Self, InputsFault> {
         let (number, mark) = past.last.unwrap_or((checkpoint.map_or(0, |number| number + 1), LedgerMark::default()));
-        let mut ledger = Ledger::go_on(&folder.join(name(number)), mark).map_err(|fault| match fault {
+        let path = folder.join(name(number));
+        let file =
+            own_file::open(&path, File::options().read(true).write(true).create(mark.length == 0).truncate(false))?;
+        let mut ledger = Ledger::go_on(file, mark).map_err(|fault| match fault {
             LedgerFault::Changed(_) => InputsFault::Damaged(name(number)),
             LedgerFault::Disk(_) | LedgerFault::Taken => InputsFault::Disk(of_disk(fault)),
         })?;
@@ -205,7 +209,7 @@ impl PastInputs {
         }
         let mut past = Self { resumptions: vec![0], ..Self::default() };
         for (at, &number) in numbers.iter().enumerate() {
-            let bytes = fs::read(folder.join(name(number)))?;
+            let bytes = own_file::read(&folder.join(name(number)))?;
             let found = frames::read(&bytes);
             let is_last = at + 1 == numbers.len();
             if number != first + at as u64 || (!is_last && found.torn(&bytes) > 0) {

@@ -7,7 +7,6 @@
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::Path;
 
 /// So much is kept in memory before it is written, unless somebody wants it written.
 const BUFFER_BYTES: usize = 64 << 10;
@@ -74,12 +73,11 @@ impl Ledger {
         Ok(Self::behind(file, LedgerMark::default(), Vec::new()))
     }
 
-    /// The ledger of a file that is there, from a place in it on.
+    /// The ledger of a file that was opened to be read and written, from a place in it on.
     ///
     /// # Errors
     /// Another process writes it, or it is not what it was up to there.
-    pub fn go_on(path: &Path, mark: LedgerMark) -> Result<Self, LedgerFault> {
-        let mut file = File::options().read(true).write(true).create(mark.length == 0).truncate(false).open(path)?;
+    pub fn go_on(mut file: File, mark: LedgerMark) -> Result<Self, LedgerFault> {
         take(&file)?;
         let mut hasher = crc32fast::Hasher::new();
         let (mut left, mut stretch) = (mark.length, vec![0; BUFFER_BYTES]);
@@ -224,7 +222,7 @@ fn take(file: &File) -> Result<(), LedgerFault> {
 mod tests {
     use super::*;
     use std::fs;
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
 
     /// A file of the test's own, by a name that no other test has.
     fn path(name: &str) -> PathBuf {
@@ -236,6 +234,10 @@ mod tests {
     fn begin(path: &Path) -> Ledger {
         let file = File::options().read(true).write(true).create(true).truncate(false).open(path);
         Ledger::begin(file.expect("it can be made")).expect("it can be emptied")
+    }
+
+    fn go_on(path: &Path, mark: LedgerMark) -> Result<Ledger, LedgerFault> {
+        Ledger::go_on(File::options().read(true).write(true).open(path)?, mark)
     }
 
     const LINES: [&str; 5] = ["one\n", "two\n", "three\n", "four\n", "five\n"];
@@ -255,7 +257,7 @@ mod tests {
             assert_eq!(length, whole.len() as u64);
             for cut in mark.length..=length {
                 fs::write(&path, &whole[..cut as usize]).expect("it can be written");
-                let mut next = Ledger::go_on(&path, mark).expect("it is what it was");
+                let mut next = go_on(&path, mark).expect("it is what it was");
                 let mut end = mark.length;
                 for line in &LINES[lines..] {
                     end += line.len() as u64;
@@ -275,13 +277,13 @@ mod tests {
     fn what_is_not_repeated_is_cut_off() {
         let path = path("other");
         fs::write(&path, "one\nleft by a clean-up that never was\n").expect("it can be written");
-        let mut ledger = Ledger::go_on(&path, LedgerMark::default()).expect("it is there");
+        let mut ledger = go_on(&path, LedgerMark::default()).expect("it is there");
         assert_eq!(ledger.push(b"one\n"), Written::Before);
         assert_eq!(ledger.push(b"less\n"), Written::Now);
         ledger.flush().expect("it is written");
         drop(ledger);
         assert_eq!(fs::read_to_string(&path).expect("it is there"), "one\nless\n");
-        let mut shorter = Ledger::go_on(&path, LedgerMark::default()).expect("it is there");
+        let mut shorter = go_on(&path, LedgerMark::default()).expect("it is there");
         assert_eq!(shorter.push(b"one\n"), Written::Before);
         shorter.finish().expect("it can be cut");
         assert_eq!(fs::read_to_string(&path).expect("it is there"), "one\n");
@@ -294,9 +296,9 @@ mod tests {
         let first = begin(&path);
         let second = File::options().read(true).write(true).open(&path).expect("it is there");
         assert!(matches!(Ledger::begin(second), Err(LedgerFault::Taken)));
-        assert!(matches!(Ledger::go_on(&path, LedgerMark::default()), Err(LedgerFault::Taken)));
+        assert!(matches!(go_on(&path, LedgerMark::default()), Err(LedgerFault::Taken)));
         drop(first);
-        assert!(Ledger::go_on(&path, LedgerMark::default()).is_ok());
+        assert!(go_on(&path, LedgerMark::default()).is_ok());
         fs::remove_file(&path).ok();
     }
 
@@ -309,7 +311,7 @@ mod tests {
         drop(ledger);
         for changed in [&b"one\ntwp\n"[..], b"one\ntwo", b""] {
             fs::write(&path, changed).expect("it can be written");
-            assert!(matches!(Ledger::go_on(&path, mark), Err(LedgerFault::Changed(8))), "{changed:?}");
+            assert!(matches!(go_on(&path, mark), Err(LedgerFault::Changed(8))), "{changed:?}");
         }
         fs::remove_file(&path).ok();
     }

@@ -14,6 +14,14 @@ const REFUSED: &[(&str, &str)] = &[
         "death-before-hello",
         "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-before-hello",
     ),
+    (
+        "child-before-hello",
+        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\nfaulty: child-before-hello",
+    ),
+    (
+        "background-before-hello",
+        "ended with exit status 0, while a process that it had started still has its standard output",
+    ),
     ("no-hello", "did not answer `hello` within 80ms; the last it wrote to standard error:\nloading a large model"),
     ("not-hello-first", "did not say `hello` first"),
     ("text-before-hello", "said something that is no JSON: expected value at line 1 column 1: Loading weights..."),
@@ -33,6 +41,15 @@ const LOST: &[(&str, &str)] = &[
     ("death-at-tick", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-at-tick"),
     ("death-while-idle", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-while-idle"),
     ("killed", "was ended by signal 9"),
+    (
+        "child-at-tick",
+        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\nfaulty: child-at-tick",
+    ),
+    ("child-and-killed", "was ended by signal 9, while a process that it had started still has its standard output"),
+    (
+        "child-and-half-a-line",
+        "ended with exit status 3, while a process that it had started still has its standard output in the middle of a line: {\"type\":\"flue",
+    ),
     (
         "half-a-line",
         "ended with exit status 3 in the middle of a line: {\"type\":\"flue; the last it wrote to standard error:\nfaulty: half-a-line",

@@ -9,6 +9,8 @@ done_at() { say "{\"type\":\"done\",\"time_us\":$1}"; }
 
 case $mode in
   death-before-hello) die ;;
+  child-before-hello) sleep 100 & die ;;
+  background-before-hello) sleep 100 & exit 0 ;;
   no-hello) echo "loading a large model" >&2; sleep 100 ;;
   not-hello-first) read -r line; fluent '"light*":1' ;;
   text-before-hello) echo "Loading weights..." ;;
@@ -30,6 +32,9 @@ fault() {
   case $mode in
     death-at-tick) die ;;
     killed) kill -9 $$ ;;
+    child-at-tick) sleep 100 & die ;;
+    child-and-killed) sleep 100 & kill -9 $$ ;;
+    child-and-half-a-line) sleep 100 & printf '{"type":"flue'; die ;;
     half-a-line) printf '{"type":"flue'; die ;;
     half-a-line-and-alive) printf '{"type":"flue'; sleep 100 ;;
     long-line) head -c 10000000 /dev/zero | tr '\0' x; say '' ;;

@@ -4,7 +4,7 @@ use super::distance_transform::squared_distances_cells;
 use super::grid::{Cell, OccupancyGrid};
 use crate::geometry::Point;
 
-/// The Euclidean distance from every cell of a map to the nearest occupied cell.
+/// The Euclidean distance from every cell of a map to the nearest one of a kind, such as those that are occupied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceField {
     /// Edge of a cell.
@@ -18,10 +18,15 @@ pub struct DistanceField {
 }
 
 impl DistanceField {
-    /// Exact; O(cells).
+    /// To what is occupied. Exact; O(cells).
     pub fn new(map: &OccupancyGrid) -> Self {
-        let is_occupied: Vec<bool> = map.cells.iter().map(|&cell| cell == Cell::Occupied).collect();
-        let squared = squared_distances_cells(map.columns, map.rows, &is_occupied);
+        Self::to(map, |cell| cell == Cell::Occupied)
+    }
+
+    /// To cells of a kind. Exact; O(cells), 5 bytes each, of which 4 stay.
+    pub fn to(map: &OccupancyGrid, is_meant: impl Fn(Cell) -> bool) -> Self {
+        let is_meant: Vec<bool> = map.cells.iter().map(|&cell| is_meant(cell)).collect();
+        let squared = squared_distances_cells(map.columns, map.rows, &is_meant);
         Self {
             resolution_m: map.resolution_m,
             origin_in_frame: map.origin_in_frame,

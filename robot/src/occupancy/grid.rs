@@ -38,16 +38,17 @@ impl OccupancyGrid {
     /// The part with free cells and one cell around it: what cannot be stood in needs no belief. The
     /// whole grid if nothing is free.
     pub fn around_free(&self) -> Self {
-        let free: Vec<(usize, usize)> = (0..self.cells.len())
-            .filter(|&index| self.cells[index] == Cell::Free)
-            .map(|index| (index % self.columns, index / self.columns))
-            .collect();
-        let bounds = |along: fn(&(usize, usize)) -> usize, count: usize| {
-            let first = free.iter().map(along).min().map_or(0, |first| first.saturating_sub(1));
-            let end = free.iter().map(along).max().map_or(count, |last| (last + 2).min(count));
-            first..end
+        let (mut columns, mut rows): (Option<(usize, usize)>, Option<(usize, usize)>) = (None, None);
+        for (row, cells) in self.cells.chunks_exact(self.columns.max(1)).enumerate() {
+            let Some(first) = cells.iter().position(|&cell| cell == Cell::Free) else { continue };
+            let last = cells.iter().rposition(|&cell| cell == Cell::Free).unwrap_or(first);
+            columns = Some(columns.map_or((first, last), |(west, east)| (west.min(first), east.max(last))));
+            rows = Some((rows.map_or(row, |(south, _)| south), row));
+        }
+        let with_margin = |found: Option<(usize, usize)>, count: usize| {
+            found.map_or(0..count, |(first, last)| first.saturating_sub(1)..(last + 2).min(count))
         };
-        let (columns, rows) = (bounds(|cell| cell.0, self.columns), bounds(|cell| cell.1, self.rows));
+        let (columns, rows) = (with_margin(columns, self.columns), with_margin(rows, self.rows));
         let origin_in_frame = Point::new(
             self.origin_in_frame.x + columns.start as f64 * self.resolution_m,
             self.origin_in_frame.y + rows.start as f64 * self.resolution_m,

@@ -5,11 +5,13 @@
 
 mod distance_field;
 mod distance_transform;
+mod flood;
 mod grid;
 mod ray;
 mod sweep;
 
 pub use distance_field::DistanceField;
 pub use distance_transform::squared_distances_cells;
+pub(crate) use flood::flood;
 pub use grid::{Cell, OccupancyGrid};
 pub use sweep::{SweepMap, SweepPoints};

@@ -34,14 +34,17 @@ impl<'m> Greys<'m> {
     /// Counts the pixels of a map's image.
     pub fn of(map: &'m RosMap, image: &GreyImage) -> Self {
         let (mut pixels, mut at_edge) = ([0; 256], [0; 256]);
-        for (index, &shade) in image.shades.iter().enumerate() {
-            let (column, row) = (index % image.columns, index / image.columns);
-            let grey = libm::roundf(shade * 255.0) as usize;
-            pixels[grey] += 1;
-            at_edge[grey] +=
-                usize::from(column == 0 || row == 0 || column + 1 == image.columns || row + 1 == image.rows);
+        let greys: Vec<usize> =
+            (0..=image.white).map(|value| libm::roundf(image.shade(value) * 255.0) as usize).collect();
+        for (row, values) in image.values.chunks_exact(image.columns).enumerate() {
+            let is_edge = row == 0 || row + 1 == image.rows;
+            for (column, &value) in values.iter().enumerate() {
+                let grey = greys[usize::from(value)];
+                pixels[grey] += 1;
+                at_edge[grey] += usize::from(is_edge || column == 0 || column + 1 == image.columns);
+            }
         }
-        Self { map, pixels, at_edge, total: image.shades.len() }
+        Self { map, pixels, at_edge, total: image.values.len() }
     }
 
     fn cell(&self, grey: usize) -> Cell {

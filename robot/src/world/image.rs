@@ -19,20 +19,27 @@ fn wrong(message: impl Into<String>) -> ImageError {
     ImageError { message: message.into() }
 }
 
-/// A grey image, `[row][column]` with the top row first; 0 is black, 1 is white.
+/// A grey image, `[row][column]` with the top row first. Two bytes a pixel, three with transparency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GreyImage {
     /// Pixels along a row.
     pub columns: usize,
     /// Rows.
     pub rows: usize,
-    /// `rows · columns` shades: the mean of the colours where there are several.
-    pub shades: Vec<f32>,
+    /// `rows · columns` values, from 0, black, to `white`: the sum of the colours where there are several.
+    pub values: Vec<u16>,
+    /// The value of white.
+    pub white: u16,
     /// Whether a pixel is transparent in part; empty for an image without transparency.
     pub transparent: Vec<bool>,
 }
 
 impl GreyImage {
+    /// The shade of a value, from 0, black, to 1, white.
+    pub fn shade(&self, value: u16) -> f32 {
+        f32::from(value) / f32::from(self.white)
+    }
+
     /// Reads a PGM or a PNG image, told apart by their first bytes.
     ///
     /// # Errors
@@ -57,7 +64,7 @@ struct PgmText<'b> {
 
 impl PgmText<'_> {
     /// The next number, after white space and comments up to the end of their line.
-    fn number(&mut self, what: &str) -> Result<usize, ImageError> {
+    fn number(&mut self, what: impl Fn() -> String) -> Result<usize, ImageError> {
         loop {
             match self.bytes.get(self.at) {
                 Some(b'#') => {
@@ -67,31 +74,31 @@ impl PgmText<'_> {
                 }
                 Some(byte) if byte.is_ascii_whitespace() => self.at += 1,
                 Some(_) => break,
-                None => return Err(wrong(format!("the PGM image is truncated: it ends before {what}"))),
+                None => return Err(wrong(format!("the PGM image is truncated: it ends before {}", what()))),
             }
         }
         let digits = self.bytes[self.at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let text = String::from_utf8_lossy(&self.bytes[self.at..self.at + digits]).into_owned();
+        let text = str::from_utf8(&self.bytes[self.at..self.at + digits]);
         self.at += digits;
-        text.parse().map_err(|_| wrong(format!("{what} of the PGM image is not a number (byte {})", self.at)))
+        let number = text.ok().and_then(|text| text.parse().ok());
+        number.ok_or_else(|| wrong(format!("{} of the PGM image is not a number (byte {})", what(), self.at)))
     }
 }
 
 fn decode_pgm(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let is_plain = bytes[1] == b'2';
     let mut text = PgmText { bytes, at: 2 };
-    let (columns, rows) = (text.number("the width")?, text.number("the height")?);
+    let (columns, rows) = (text.number(|| "the width".to_owned())?, text.number(|| "the height".to_owned())?);
     let pixels = checked_pixels(columns, rows)?;
-    let brightest = text.number("the maximal value")?;
-    if brightest == 0 || brightest > 65535 {
+    let brightest = text.number(|| "the maximal value".to_owned())?;
+    let Some(white) = u16::try_from(brightest).ok().filter(|&white| white > 0) else {
         return Err(wrong(format!("the maximal value of a PGM image is from 1 to 65535, found {brightest}")));
+    };
+    let values = if is_plain { plain_values(&mut text, pixels)? } else { raw_values(&text, pixels, white)? };
+    if let Some(value) = values.iter().find(|&&value| value > white) {
+        return Err(wrong(format!("a pixel of {value} is above the maximal value of the PGM image, {white}")));
     }
-    let values = if is_plain { plain_values(&mut text, pixels)? } else { raw_values(&text, pixels, brightest)? };
-    if let Some(value) = values.iter().find(|&&value| usize::from(value) > brightest) {
-        return Err(wrong(format!("a pixel of {value} is above the maximal value of the PGM image, {brightest}")));
-    }
-    let shades = values.into_iter().map(|value| f32::from(value) / brightest as f32).collect();
-    Ok(GreyImage { columns, rows, shades, transparent: Vec::new() })
+    Ok(GreyImage { columns, rows, values, white, transparent: Vec::new() })
 }
 
 fn checked_pixels(columns: usize, rows: usize) -> Result<usize, ImageError> {
@@ -105,7 +112,7 @@ fn checked_pixels(columns: usize, rows: usize) -> Result<usize, ImageError> {
 
 fn plain_values(text: &mut PgmText<'_>, pixels: usize) -> Result<Vec<u16>, ImageError> {
     let read = |index: usize| {
-        let value = text.number(&format!("pixel {} of {pixels}", index + 1))?;
+        let value = text.number(|| format!("pixel {} of {pixels}", index + 1))?;
         u16::try_from(value).map_err(|_| wrong(format!("pixel {} of {pixels} is {value}, above 65535", index + 1)))
     };
     // Not reserved from the header: a short file may claim any size.
@@ -113,8 +120,8 @@ fn plain_values(text: &mut PgmText<'_>, pixels: usize) -> Result<Vec<u16>, Image
 }
 
 /// One byte a pixel, or two with the higher one first.
-fn raw_values(text: &PgmText<'_>, pixels: usize, brightest: usize) -> Result<Vec<u16>, ImageError> {
-    let width = if brightest > 255 { 2 } else { 1 };
+fn raw_values(text: &PgmText<'_>, pixels: usize, white: u16) -> Result<Vec<u16>, ImageError> {
+    let width = if white > 255 { 2 } else { 1 };
     // Exactly one white-space byte ends the header.
     let data = text.bytes.get(text.at + 1..).unwrap_or_default();
     let Some(data) = data.get(..pixels * width) else {
@@ -147,15 +154,14 @@ fn decode_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let channels = frame.color_type.samples();
     let has_alpha = matches!(frame.color_type, png::ColorType::GrayscaleAlpha | png::ColorType::Rgba);
     let colours = if has_alpha { channels - 1 } else { channels };
-    let shade = |pixel: &[u8]| {
-        let sum: u32 = pixel[..colours].iter().map(|&byte| u32::from(byte)).sum();
-        sum as f32 / (colours * 255) as f32
-    };
+    let value = |pixel: &[u8]| pixel[..colours].iter().map(|&byte| u16::from(byte)).sum::<u16>();
     let pixels = data[..frame.buffer_size()].chunks_exact(channels);
     Ok(GreyImage {
         columns,
         rows,
-        shades: pixels.clone().map(shade).collect(),
+        values: pixels.clone().map(value).collect(),
+        // Three colours at most.
+        white: 255 * colours as u16,
         transparent: if has_alpha { pixels.map(|pixel| pixel[colours] < 255).collect() } else { Vec::new() },
     })
 }

@@ -3,7 +3,7 @@
 use super::solid::{Outline, Solid, SolidOrigin, part_within};
 use super::{Rect, SeenBy, World};
 use crate::geometry::{Point, Vector};
-use crate::occupancy::{Cell, OccupancyGrid};
+use crate::occupancy::{Cell, OccupancyGrid, flood};
 
 /// A body must reach this far into a cell to occupy it, so that a wall along a cell's edge does
 /// not depend on the last bit of its coordinates.
@@ -101,36 +101,15 @@ impl World {
 
     /// Turns the free cells that nothing the robot knows is connected with into unknown ones.
     fn forget_outside(&self, grid: &mut OccupancyGrid) {
-        let mut known = vec![false; grid.cells.len()];
-        let mut open: Vec<(usize, usize)> = Vec::new();
         let points = self.places.iter().map(|place| place.pose_in_map.point()).chain([self.start_in_map.point()]);
-        open.extend(points.flat_map(|point| cells_around(grid, point)));
+        let mut known: Vec<(usize, usize)> = points.flat_map(|point| cells_around(grid, point)).collect();
         for room in &self.rooms {
-            open.extend(cells_within(grid, room.rect));
+            known.extend(cells_within(grid, room.rect));
         }
-        // Row by row: of the cells beside a run only the first of each run is kept in mind.
-        while let Some((column, row)) = open.pop() {
-            let is_open = |known: &[bool], row: usize, column: usize| {
-                let index = row * grid.columns + column;
-                !known[index] && grid.cells[index] == Cell::Free
-            };
-            if !is_open(&known, row, column) {
-                continue;
-            }
-            let first = (0..column).rev().take_while(|&west| is_open(&known, row, west)).last().unwrap_or(column);
-            let last = (column + 1..grid.columns).take_while(|&east| is_open(&known, row, east)).last();
-            let run = first..last.unwrap_or(column) + 1;
-            known[row * grid.columns + run.start..row * grid.columns + run.end].fill(true);
-            for beside in [row.checked_sub(1), Some(row + 1).filter(|&north| north < grid.rows)].into_iter().flatten() {
-                let begins = |&at: &usize| {
-                    let goes_on = at > run.start && is_open(&known, beside, at - 1);
-                    is_open(&known, beside, at) && !goes_on
-                };
-                open.extend(run.clone().filter(begins).map(|at| (at, beside)));
-            }
-        }
-        for (cell, known) in grid.cells.iter_mut().zip(known) {
-            if *cell == Cell::Free && !known {
+        let mut is_closed: Vec<bool> = grid.cells.iter().map(|&cell| cell != Cell::Free).collect();
+        flood(grid.columns, &mut is_closed, known, |_, _| {});
+        for (cell, is_closed) in grid.cells.iter_mut().zip(is_closed) {
+            if !is_closed {
                 *cell = Cell::Unknown;
             }
         }

@@ -19,6 +19,7 @@ mod start;
 mod tests;
 mod yaml;
 
+pub use blocks::Noise;
 pub(crate) use close_up::CloseUp;
 pub use greys::Greys;
 pub use image::{GreyImage, ImageError};

@@ -103,12 +103,20 @@ impl RosMap {
 
     /// Cells with the lowest row first.
     fn cells_upwards(&self, image: &GreyImage) -> Vec<Cell> {
-        let pixel = |index: usize| {
-            let is_transparent = image.transparent.get(index).copied().unwrap_or(false);
-            self.cell(image.shades[index], is_transparent)
+        let cells_of = |is_transparent: bool| -> Vec<Cell> {
+            (0..=image.white).map(|value| self.cell(image.shade(value), is_transparent)).collect()
         };
-        let rows = (0..image.rows).rev();
-        rows.flat_map(|row| (0..image.columns).map(move |column| pixel(row * image.columns + column))).collect()
+        let (opaque, transparent) = (cells_of(false), cells_of(true));
+        let mut cells = Vec::with_capacity(image.values.len());
+        for row in (0..image.rows).rev() {
+            let pixels = row * image.columns..(row + 1) * image.columns;
+            cells.extend(pixels.map(|pixel| {
+                let is_transparent = image.transparent.get(pixel).copied().unwrap_or(false);
+                let meant = if is_transparent { &transparent } else { &opaque };
+                meant[usize::from(image.values[pixel])]
+            }));
+        }
+        cells
     }
 
     /// Whether the image makes a map of a size that a robot can drive in.

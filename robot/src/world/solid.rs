@@ -51,7 +51,7 @@ impl World {
     /// out and reach half their thickness beyond their ends, so that corners are filled.
     pub fn solids(&self) -> Vec<Solid> {
         let walls = self.walls.iter().flat_map(|wall| wall_outlines(wall, &self.doors));
-        let recorded = self.recorded.iter().flat_map(blocks).map(Outline::of_rect);
+        let recorded = self.recorded.iter().flat_map(|map| blocks(map, usize::MAX)).map(Outline::of_rect);
         let walls =
             walls.chain(recorded).map(|outline| Solid { outline, origin: SolidOrigin::Wall, seen_by: SEEN_BY_ALL });
         let doors = self.doors.iter().enumerate().map(|(index, door)| Solid {
