@@ -2,6 +2,7 @@
 
 use super::inputs;
 use anyhow::{Result, anyhow, bail};
+use rpl_lang::visible::visible;
 use rpl_link::process_opener::{Opener, line_name};
 use rpl_link::recording::{RecordedTurns, Recorder};
 use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
@@ -74,7 +75,11 @@ pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(M
         let (ManifestFile { name, path }, (manifest, plans)) = (file, read(file)?);
         if let Some(before) = sources.iter().find(|before| before.manifest.name == manifest.name) {
             let (called, first) = (&manifest.name, &before.manifest.file);
-            bail!("two modules are called `{called}`: `{first}` and `{name}`; leave one away, or rename it");
+            bail!(
+                "two modules are called `{called}`: `{}` and `{}`; leave one away, or rename it",
+                visible(first),
+                visible(name)
+            );
         }
         let open = modules.open(manifest.clone(), folder_of(path), voices)?;
         sources.push(ModuleSource { manifest, plans, open });
@@ -101,8 +106,10 @@ pub fn within(name: &str, speaker: Arc<Speaker>) -> Result<ModuleSource> {
 
 /// A manifest, and the plans that belong to it.
 fn read(ManifestFile { name, path }: &ManifestFile) -> Result<(Arc<Manifest>, Option<PlanText>)> {
-    let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
-    let manifest = Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
+    let text =
+        inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{}`: {reason}", visible(name)))?;
+    let manifest =
+        Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{}` has faults\n{error}", visible(name)))?;
     let plans = manifest.plans.as_ref().map(|plans| plan_text(folder_of(path), plans, name)).transpose()?;
     Ok((Arc::new(manifest), plans))
 }
@@ -115,7 +122,7 @@ fn folder_of(path: &Path) -> &Path {
 fn plan_text(folder: &Path, plans: &str, manifest: &str) -> Result<PlanText> {
     let path = folder.join(plans);
     // The name is a part of the program, wherever the run goes on.
-    let shown = folder_of(Path::new(manifest)).join(plans).display().to_string();
+    let shown = folder_of(Path::new(manifest)).join(plans).to_string_lossy().into_owned();
     let text = inputs::read_text(&path)
         .map_err(|reason| anyhow!("cannot read `{shown}`, the plans of the module `{manifest}`: {reason}"))?;
     Ok(PlanText { name: shown.into(), text: text.into() })

@@ -1,6 +1,7 @@
 //! `rpl.toml`: what the plans of a folder are for.
 
 use super::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 use std::num::NonZero;
@@ -61,7 +62,7 @@ impl ProjectFile {
         self.plan.clone().ok_or_else(|| {
             anyhow!(
                 "`{}` names no plan to run; add a line such as `plan = \"main.rpl\"`, or name the plan",
-                file.display()
+                file.shown()
             )
         })
     }
@@ -69,7 +70,7 @@ impl ProjectFile {
     /// The folder that a project file stands for.
     pub fn folder_of(file: &Path) -> String {
         match file.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder.display().to_string(),
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_string_lossy().into_owned(),
             _ => ".".to_string(),
         }
     }
@@ -79,15 +80,15 @@ impl ProjectFile {
     /// # Errors
     /// It cannot be read, or has faults.
     pub fn read(file: &Path) -> Result<Self> {
-        let name = file.display();
+        let name = file.shown();
         let text = inputs::read_text(file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
         let known: Self = toml::from_str(&text).map_err(|error| anyhow!("`{name}` has faults\n{error}"))?;
         let beside = |named: String| {
             let there = file.with_file_name(&named);
-            if there.exists() { there.display().to_string() } else { named }
+            if there.exists() { there.to_string_lossy().into_owned() } else { named }
         };
         Ok(Self {
-            plan: known.plan.map(|plan| file.with_file_name(plan).display().to_string()),
+            plan: known.plan.map(|plan| file.with_file_name(plan).to_string_lossy().into_owned()),
             world: known.world.map(beside),
             robot: known.robot.map(beside),
             seed: known.seed,
