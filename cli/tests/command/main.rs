@@ -2,6 +2,8 @@
 //! since linking takes longer than compiling; `cargo test -p rpl prompt` runs what has the word in its
 //! path.
 
+#![allow(clippy::disallowed_methods, reason = "names of files are given to the command here, and not told")]
+
 mod case_memory;
 mod cases;
 mod check;
@@ -14,6 +16,7 @@ mod experiment;
 mod figures;
 mod fmt;
 mod folder;
+mod forged_text;
 mod help;
 mod hosts;
 mod journal;
