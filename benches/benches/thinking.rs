@@ -4,7 +4,7 @@
 use rpl_benches::{Question, Report};
 use rpl_lang::compile::NoFiles;
 use rpl_link::tcp_client::TcpHost;
-use rpl_link::tcp_server::{Service, serve};
+use rpl_link::tcp_server::{PATIENCE, Service, serve};
 use rpl_link::thinker::Thinker;
 use rpl_link::transcript::{Kept, Transcript};
 use rpl_mission::site::{Setup, Site};
@@ -32,18 +32,26 @@ const THINK: &str = "
 fn longest_answer_ms(site: &Site) -> f64 {
     let robot = &site.office().expect("there is a robot").settings.robot;
     let (name, period_us) = (robot.name.to_string(), robot.step_us);
-    let service =
-        Service { robot: name.clone(), period_us, factor: 1.0, until_us: None, once: true, start_known: true };
+    let service = Service {
+        robot: name.clone(),
+        period_us,
+        factor: 1.0,
+        until_us: None,
+        once: true,
+        start_known: true,
+        patience: PATIENCE,
+        token: None,
+    };
     let listener = TcpListener::bind("127.0.0.1:0").expect("there is a port");
     let address = listener.local_addr().expect("it has an address").to_string();
     let mut world = site.office_robot(1).expect("there is a world").host;
     let served = thread::spawn(move || serve(&mut world, listener, service, &|| false, &mut |_| ()));
-    let hello = MissionHello { protocol: PROTOCOL, rpl: "bench".to_string(), robot: name };
+    let (rpl, mission) = ("bench".to_string(), None);
+    let hello = MissionHello { protocol: PROTOCOL, rpl, robot: name, mission, token: None };
     let (_, host) = TcpHost::connect(&address, hello).unwrap_or_else(|fault| panic!("{fault:?}"));
     let line = Arc::new(Transcript::live("host", Box::new(host), Kept::Last, None));
     let thinking = Arc::new(Transcript::live("thinking", Box::new(Thinker::default()), Kept::Last, None));
-    let sensors = site.office().expect("there is a robot").sensors.clone();
-    let host = RemoteHost::new(&address, line, thinking, period_us, sensors, None);
+    let host = RemoteHost::new(&address, line, thinking, robot.clone());
     let plan = site.compile("think.rpl", THINK, &mut NoFiles).expect("the plan is right");
     let mut system = site.start_traced_with(site.robot_of(host, true, 1).expect("there is a world"), plan, 1);
     while system.advance() == Progress::Running {}

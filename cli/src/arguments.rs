@@ -1,5 +1,5 @@
 //! What several commands take on their command lines: where a plan runs, times, names of plans, first
-//! values of variables; and how a shell completes them.
+//! values of variables, tokens; and how a shell completes them.
 
 pub mod completion;
 pub mod duration;
@@ -8,3 +8,4 @@ pub mod numbers;
 pub mod overrides;
 pub mod plan_files;
 pub mod site;
+pub mod token;

@@ -12,4 +12,5 @@ pub mod outputs;
 pub mod plans;
 pub mod project_file;
 pub mod robot_files;
+pub mod shown;
 pub mod world_files;

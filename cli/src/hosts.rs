@@ -2,8 +2,10 @@
 //! recording that a run writes.
 
 use crate::arguments::site::SiteArguments;
+use crate::arguments::token::TokenArgument;
 use crate::files::outputs::OutputFile;
 use crate::files::robot_files;
+use crate::files::shown::Shown;
 use crate::recorded_run::{HostHeard, RecordedRun};
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
@@ -17,7 +19,8 @@ use rpl_protocol::host::{CommandsMessage, HostAnswer, HostHello, MissionHello, P
 use rpl_protocol::line::{Line, LineFault};
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_protocol::thinking::{ThinkingAnswer, ThinkingLine, ThinkingWords};
-use std::path::PathBuf;
+use rpl_protocol::token::Token;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The name of the line to a host in recordings.
@@ -43,6 +46,8 @@ pub struct HostArguments {
     /// Writes all that comes from outside to this file, so that the run can be repeated (`rpl replay`)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub token: TokenArgument,
 }
 
 /// Who moves the robot.
@@ -93,13 +98,21 @@ impl HostLines {
 }
 
 impl HostArguments {
-    /// Reaches the host, if one is named. Done before anything costly: the world waits for the first commands.
+    /// Reaches the host, if one is named, for a mission that is called so. Done before anything costly: the world
+    /// waits for the first commands.
     ///
     /// # Errors
     /// It cannot be reached, or moves another robot than the one of this site.
-    pub fn reach(&self, site: &SiteArguments) -> Result<HostSource> {
-        let Some(address) = &self.host else { return Ok(HostSource::Simulated) };
-        reach(address, robot_files::named(site.robot.as_deref())?.name.clone())
+    pub fn reach(&self, site: &SiteArguments, mission: &str) -> Result<HostSource> {
+        match &self.host {
+            Some(address) => {
+                reach(address, robot_files::named(site.robot.as_deref())?.name.clone(), mission, self.token.read()?)
+            }
+            None if self.token.token_file.is_some() => {
+                bail!("`--token-file` is for a host; add `--host ADDRESS`, or leave it away")
+            }
+            None => Ok(HostSource::Simulated),
+        }
     }
 
     /// Begins the recording, if one is to be written.
@@ -110,17 +123,18 @@ impl HostArguments {
         let Some(path) = &self.record else { return Ok(None) };
         let file = OutputFile::open(path, "the recording")?.begin()?;
         let recorder =
-            Recorder::begin(file, run).with_context(|| format!("cannot write the recording `{}`", path.display()))?;
+            Recorder::begin(file, run).with_context(|| format!("cannot write the recording `{}`", path.shown()))?;
         Ok(Some(Arc::new(recorder)))
     }
 }
 
-/// Reaches a host that moves this robot.
+/// Reaches a host that moves this robot, for a mission by the name of its plan's file.
 ///
 /// # Errors
 /// It cannot be reached, or moves another robot.
-pub fn reach(address: &str, robot: String) -> Result<HostSource> {
-    let hello = MissionHello { protocol: PROTOCOL, rpl: env!("CARGO_PKG_VERSION").to_string(), robot };
+pub fn reach(address: &str, robot: String, mission: &str, token: Option<Token>) -> Result<HostSource> {
+    let mission = Path::new(mission).file_name().map(|name| name.to_string_lossy().into_owned());
+    let hello = MissionHello { protocol: PROTOCOL, rpl: env!("CARGO_PKG_VERSION").to_string(), robot, mission, token };
     match TcpHost::connect(address, hello) {
         Ok((hello, host)) => Ok(HostSource::Live { address: address.to_string(), hello, host }),
         Err(LineFault(why)) => bail!("{why}"),
@@ -197,8 +211,7 @@ impl HostSource {
         let lines = HostLines { host: Arc::new(host), thinking: Arc::new(thinking) };
         let line: Arc<dyn Line<CommandsMessage, HostAnswer>> = lines.host.clone();
         let thinking: ThinkingLine = lines.thinking.clone();
-        let camera = office.settings.robot.camera.map(|camera| camera.view);
-        let host = RemoteHost::new(&heard.address, line, thinking, period_us, office.sensors.clone(), camera);
+        let host = RemoteHost::new(&heard.address, line, thinking, office.settings.robot.clone());
         let robot = site.robot_of(host, heard.start_known, seed).context("a host needs a world; add `--world dept`")?;
         Ok((robot, Some(lines)))
     }

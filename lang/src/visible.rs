@@ -159,6 +159,17 @@ pub fn shortened(text: &str) -> String {
     format!("{head}… ({} characters) …{tail}", length - 2 * SHOWN_OF_LONG)
 }
 
+/// What somebody else has said, as a clause of a message: on one line, and the end of what nobody would read is
+/// left out.
+pub fn clause(text: &str) -> String {
+    let text = text.trim();
+    let most = text.char_indices().nth(LONGEST_CLAUSE).map(|(end, _)| end);
+    match most {
+        None => visible(text).into_owned(),
+        Some(end) => format!("{}… ({} characters)", visible(&text[..end]), text.chars().count()),
+    }
+}
+
 /// A string in a message, in quotes.
 pub fn quoted(text: &str) -> String {
     // Of a string of megabytes no more is written out than is shown.
@@ -186,6 +197,9 @@ const LONGEST_SHOWN: usize = 60;
 
 /// So many characters are shown of each end then.
 const SHOWN_OF_LONG: usize = 24;
+
+/// No more characters are shown of what somebody else has said.
+const LONGEST_CLAUSE: usize = 300;
 
 /// Longer words of a message are cut, whatever they are.
 const LONGEST_WORD_BYTES: usize = 240;
@@ -285,6 +299,14 @@ mod tests {
         let short = with_short_words(message);
         assert!(short.len() < 150 && short.ends_with("` is no number, and wheels is a name"), "{short}");
         assert_eq!(with_short_words("two words".repeat(1000)), "two words".repeat(1000));
+    }
+
+    #[test]
+    fn what_others_say_is_a_clause_on_one_line() {
+        assert_eq!(clause(" the battery is empty\n"), "the battery is empty");
+        assert_eq!(clause("a\nerror: b\u{9b}2J\u{202e}"), "a\\nerror: b\\u{9b}2J\\u{202e}");
+        let short = clause(&"no end ".repeat(100_000));
+        assert!(short.chars().count() < 330 && short.ends_with("… (699999 characters)"), "{short}");
     }
 
     #[test]

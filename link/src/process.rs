@@ -4,6 +4,7 @@
 //! Nothing here waits without end, and nothing grows with what the process writes: its pipes are looked
 //! at while somebody waits for it, and in between the system holds them.
 
+use rpl_lang::visible::visible;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
@@ -333,13 +334,12 @@ impl Process {
         if is_open { format!("{how}, while a process that it had started still has its standard output") } else { how }
     }
 
-    /// The last lines that it wrote to its standard error.
+    /// The last lines that it wrote to its standard error, further in than what we say ourselves.
     pub fn last_words(&self) -> String {
         let text = String::from_utf8_lossy(&self.last_words);
         let lines: Vec<&str> = text.lines().map(str::trim_end).filter(|line| !line.is_empty()).collect();
         let lines = &lines[lines.len().saturating_sub(MOST_LAST_LINES)..];
-        let visible = |c: char| if c.is_control() && c != '\n' && c != '\t' { '\u{fffd}' } else { c };
-        lines.join("\n").chars().map(visible).collect()
+        lines.iter().map(|line| format!("  {}", visible(line))).collect::<Vec<_>>().join("\n")
     }
 }
 

@@ -3,11 +3,12 @@
 
 use crate::process::{Heard, Process};
 use crate::transcript::Live;
+use rpl_lang::visible::clause;
 use rpl_protocol::line::LineFault;
 use rpl_protocol::module::manifest::Manifest;
 use rpl_protocol::module::message::{
     FromModule, Greeting, Loss, MOST_BYTES, MOST_BYTES_A_TURN, MOST_MESSAGES, ModuleAnswer, ModuleWords, Pace,
-    ToModule, VERSION, shortened,
+    ToModule, VERSION,
 };
 use std::io;
 use std::path::Path;
@@ -104,7 +105,7 @@ impl ModuleProcess {
             Ok(Heard::Closed(rest)) => {
                 let how = self.process.autopsy();
                 let rest = String::from_utf8_lossy(&rest);
-                Err(if rest.is_empty() { how } else { format!("{how} in the middle of a line: {}", shortened(&rest)) })
+                Err(if rest.is_empty() { how } else { format!("{how} in the middle of a line: {}", clause(&rest)) })
             }
             Err(error) => Err(format!("cannot be heard: {error}")),
         }
@@ -195,7 +196,7 @@ pub fn greeted(manifest: &Manifest, message: &FromModule) -> Result<(), String> 
             Err(format!("speaks version {protocol} of the protocol, and rpl speaks version {VERSION}"))
         }
         FromModule::Hello { module, .. } if *module != manifest.name => {
-            Err(format!("calls itself `{}`, which is not its name in the manifest", shortened(module)))
+            Err(format!("calls itself `{}`, which is not its name in the manifest", clause(module)))
         }
         FromModule::Hello { .. } => Ok(()),
         FromModule::Fluents { .. }

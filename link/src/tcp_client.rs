@@ -4,33 +4,49 @@
 //! thinks, the newest commands are repeated once a period, for [`SILENCE_US`] of the robot's time at most: then
 //! it is told once to stand, and the silence lets the host stop it in any case.
 
-use crate::message_lines::{ReadLine, read_line};
+use crate::message_lines::{LINE, MessageLines, ReadLine, write_line};
 use crate::transcript::Live;
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded, unbounded};
+use rpl_lang::visible::shortened;
 use rpl_protocol::host::{
     Bye, CommandsMessage, FromHost, HostAnswer, HostHello, MissionHello, PROTOCOL, PerceptMessage, SILENCE_US, ToHost,
     read, written,
 };
 use rpl_protocol::line::LineFault;
-use std::io::{BufReader, Write};
+use std::collections::VecDeque;
+use std::io::ErrorKind;
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How long a host may take to answer the greeting, and to be reached.
+/// How long a host may take to be reached and to answer the greeting, in all.
 const GREETING: Duration = Duration::from_secs(5);
 
-/// A host that says nothing for so long, and for two periods, is lost.
+/// A host that says nothing for so long, and for two periods, is lost; and so is one that takes no commands.
 const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Percepts that may be missing between two, at most: at 20 a second, more than half a day.
+const MOST_MISSING: u64 = 1_000_000;
+
+/// Decisions that follow each other so soon are as good as one, when it is asked whether a host takes any.
+const SOON: Duration = Duration::from_millis(100);
 
 /// Percepts that wait for a mission that is behind; of more, the oldest are given up.
 const MOST_WAITING: usize = 200;
 
+/// The same in bytes of their lines.
+const MOST_WAITING_BYTES: usize = 32 << 20;
+
+/// Messages of people in percepts that were given up, in bytes of their words: they wait for the mission.
+const MOST_UNREAD_BYTES: usize = 1 << 20;
+
 /// What the reader hands over.
 #[derive(Debug)]
 enum Heard {
-    /// A percept, and when it came.
-    Percept(Box<PerceptMessage>, Instant),
+    /// A percept, when it came, and how long its line was.
+    Percept(Box<PerceptMessage>, Instant, usize),
     /// Why no more will come.
     End(String),
 }
@@ -50,10 +66,47 @@ pub struct TcpHost {
     /// Of the clock on the wall.
     period: Duration,
     heard: Receiver<Heard>,
+    waiting: Arc<Waiting>,
     /// None, and nobody who writes, at its end.
     decisions: Option<Sender<Decision>>,
     writer: Option<JoinHandle<()>>,
+    untaken: Untaken,
     pace: Pace,
+}
+
+/// The bytes of the percepts that wait for the mission.
+#[derive(Debug)]
+struct Waiting {
+    bytes: AtomicUsize,
+    /// No more are kept.
+    most_bytes: usize,
+}
+
+impl Waiting {
+    fn new(most_bytes: usize) -> Self {
+        Self { bytes: AtomicUsize::new(0), most_bytes }
+    }
+
+    fn has_room(&self, bytes: usize) -> bool {
+        self.bytes.load(Ordering::Relaxed) + bytes <= self.most_bytes
+    }
+
+    fn come(&self, bytes: usize) {
+        self.bytes.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    fn gone(&self, bytes: usize) {
+        self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+    }
+}
+
+/// Decisions of which the host has not said that they have taken effect.
+#[derive(Debug)]
+struct Untaken {
+    /// How long one may wait.
+    patience: Duration,
+    /// The number of each, and when it was made; of those that follow each other within [`SOON`] the first.
+    decisions: VecDeque<(u64, Instant)>,
 }
 
 /// When percepts came and decisions were made, and when they should have.
@@ -75,29 +128,32 @@ impl TcpHost {
     /// One sentence that names the address: nobody is there, nobody answers, or somebody who moves another
     /// robot or speaks another version.
     pub fn connect(address: &str, hello: MissionHello) -> Result<(HostHello, Self), LineFault> {
+        Self::connect_within(GREETING, address, hello)
+    }
+
+    fn connect_within(patience: Duration, address: &str, hello: MissionHello) -> Result<(HostHello, Self), LineFault> {
         let fault = |why: String| LineFault(format!("the host `{address}` {why}"));
-        let stream = reach(address).map_err(|why| fault(format!("cannot be reached: {why}")))?;
+        let until = Instant::now() + patience;
+        let stream = reach(address, until).map_err(|why| fault(format!("cannot be reached: {why}")))?;
         let broken = |error: std::io::Error| fault(format!("cannot be spoken to: {error}"));
         stream.set_nodelay(true).map_err(broken)?;
-        stream.set_read_timeout(Some(GREETING)).map_err(broken)?;
-        stream.set_write_timeout(Some(PATIENCE)).map_err(broken)?;
-        let mut writing = stream.try_clone().map_err(broken)?;
-        writing.write_all(written(&ToHost::Hello(hello.clone())).as_bytes()).map_err(broken)?;
-        let mut reading = BufReader::new(stream.try_clone().map_err(broken)?);
-        let greeting = greeting(&mut reading, &hello).map_err(fault)?;
-        stream.set_read_timeout(None).map_err(broken)?;
+        write_line(&stream, &written(&ToHost::Hello(hello.clone())), PATIENCE).map_err(broken)?;
+        let mut lines = MessageLines::new(stream.try_clone().map_err(broken)?, LINE);
+        let greeting = greeting(&mut lines, patience, until, &hello).map_err(fault)?;
 
         let period = Duration::from_secs_f64(greeting.period_us as f64 / 1e6 / greeting.factor);
         // A robot whose time goes faster drives as much further blindly.
         let stale = Duration::from_micros(SILENCE_US).div_f64(greeting.factor.max(1.0)).max(2 * period);
         let (hear, heard) = bounded(MOST_WAITING + 1);
         let (decisions, decided) = unbounded();
-        let oldest = heard.clone();
-        thread::spawn(move || read_percepts(&mut reading, &hear, &oldest));
-        let writer = Some(thread::spawn(move || write_commands(writing, period, stale, &decided)));
+        let (oldest, waiting) = (heard.clone(), Arc::new(Waiting::new(MOST_WAITING_BYTES)));
+        let (reader_waiting, writer_hear) = (waiting.clone(), hear.clone());
+        thread::spawn(move || read_percepts(&mut lines, &hear, &oldest, &reader_waiting));
+        let writer = Some(thread::spawn(move || write_commands(&stream, period, stale, &decided, &writer_hear)));
         let pace = Pace { period, began: None, taken: None, next: 0 };
         let address = address.to_string();
-        Ok((greeting, Self { address, period, heard, decisions: Some(decisions), writer, pace }))
+        let untaken = Untaken { patience: PATIENCE + 2 * period, decisions: VecDeque::new() };
+        Ok((greeting, Self { address, period, heard, waiting, decisions: Some(decisions), writer, untaken, pace }))
     }
 
     fn fault(&self, why: &str) -> LineFault {
@@ -118,12 +174,16 @@ impl Live<CommandsMessage, HostAnswer> for TcpHost {
     fn answer(&mut self, words: &CommandsMessage) -> Result<HostAnswer, LineFault> {
         let decided_in_s = self.pace.decided(Instant::now());
         let decision = Decision { commands: words.clone(), is_newest: self.heard.is_empty() };
-        // A writer that is gone has left because the line is broken, and the reader says so.
+        self.untaken.decided(words.number, Instant::now());
+        // A writer that is gone has said why.
         if let Some(decisions) = &self.decisions {
             decisions.send(decision).ok();
         }
         match self.heard.recv_timeout(PATIENCE + 2 * self.period) {
-            Ok(Heard::Percept(percept, at)) => {
+            Ok(Heard::Percept(percept, at, bytes)) => {
+                self.waiting.gone(bytes);
+                self.pace.follows(percept.number).map_err(|why| self.fault(&why))?;
+                self.untaken.taken(percept.commands, at).map_err(|why| self.fault(&why))?;
                 let (late_s, missing) = self.pace.came(percept.number, at, Instant::now());
                 Ok(HostAnswer { percept: *percept, late_s, missing, decided_in_s })
             }
@@ -136,7 +196,44 @@ impl Live<CommandsMessage, HostAnswer> for TcpHost {
     }
 }
 
+impl Untaken {
+    fn decided(&mut self, number: u64, now: Instant) {
+        if self.decisions.back().is_none_or(|(_, made)| now.saturating_duration_since(*made) >= SOON) {
+            self.decisions.push_back((number, now));
+        }
+    }
+
+    /// The host has said at a time which commands have taken effect.
+    ///
+    /// # Errors
+    /// It takes none any more.
+    fn taken(&mut self, commands: Option<u64>, at: Instant) -> Result<(), String> {
+        while self.decisions.pop_front_if(|(number, _)| Some(*number) <= commands).is_some() {}
+        let Some((number, made)) = self.decisions.front() else { return Ok(()) };
+        let waited = at.saturating_duration_since(*made);
+        if waited <= self.patience {
+            return Ok(());
+        }
+        Err(format!("has not taken the commands of number {number} for {:.1} s", waited.as_secs_f64()))
+    }
+}
+
 impl Pace {
+    /// Whether a percept of this number may come now.
+    ///
+    /// # Errors
+    /// It was there, or too many would be missing.
+    fn follows(&self, number: u64) -> Result<(), String> {
+        let next = self.next;
+        match number.checked_sub(next) {
+            None => Err(format!("has sent percept {number} where {next} or a later one is expected")),
+            Some(missing) if missing > MOST_MISSING => {
+                Err(format!("has sent percept {number} where {next} is the next: more than {MOST_MISSING} are missing"))
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
     /// The mission has decided: how long it took since it was handed a percept, if that is too long.
     fn decided(&self, now: Instant) -> Option<f64> {
         let took = now.duration_since(self.taken?);
@@ -160,11 +257,15 @@ impl Pace {
     }
 }
 
-fn reach(address: &str) -> Result<TcpStream, String> {
+fn reach(address: &str, until: Instant) -> Result<TcpStream, String> {
     let addresses = address.to_socket_addrs().map_err(|error| format!("{error}; an address is `HOST:PORT`"))?;
     let mut why = "the name stands for no address".to_string();
     for address in addresses {
-        match TcpStream::connect_timeout(&address, GREETING) {
+        let left = until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            break;
+        }
+        match TcpStream::connect_timeout(&address, left) {
             Ok(stream) => return Ok(stream),
             Err(error) => why = error.to_string(),
         }
@@ -173,22 +274,29 @@ fn reach(address: &str) -> Result<TcpStream, String> {
 }
 
 /// The host's answer to a greeting.
-fn greeting(reading: &mut BufReader<TcpStream>, hello: &MissionHello) -> Result<HostHello, String> {
-    let line = match read_line(reading) {
+fn greeting(
+    lines: &mut MessageLines,
+    patience: Duration,
+    until: Instant,
+    hello: &MissionHello,
+) -> Result<HostHello, String> {
+    let line = match lines.next(Some(until)) {
         ReadLine::Text(line) => line,
         ReadLine::End => return Err("gives no greeting".to_string()),
+        ReadLine::Silence => return Err(format!("gives no greeting within {:.1} s", patience.as_secs_f64())),
         ReadLine::Fault(what) => return Err(format!("greets with {what}")),
     };
     let greeting = match read(&line).map_err(|why| format!("greets with what is no message: {why}"))? {
         FromHost::Hello(greeting) => greeting,
-        FromHost::Bye(Bye { reason }) => return Err(refusal(reason)),
+        FromHost::Bye(bye) => return Err(bye.told()),
         FromHost::Percept(_) => return Err("gives no greeting before its first percept".to_string()),
     };
     if greeting.protocol != PROTOCOL {
         return Err(format!("speaks version {} of the messages, and this rpl {PROTOCOL}", greeting.protocol));
     }
     if greeting.robot != hello.robot {
-        return Err(format!("moves the robot `{}`, and the mission is for `{}`", greeting.robot, hello.robot));
+        let (its, ours) = (shortened(&greeting.robot), &hello.robot);
+        return Err(format!("moves the robot `{its}`, and the mission is for `{ours}`"));
     }
     let is_period = (1_000..=10_000_000).contains(&greeting.period_us);
     if !is_period || !(1e-3..=1e3).contains(&greeting.factor) {
@@ -201,38 +309,40 @@ fn greeting(reading: &mut BufReader<TcpStream>, hello: &MissionHello) -> Result<
     Ok(greeting)
 }
 
-fn refusal(reason: Option<String>) -> String {
-    match reason {
-        Some(reason) => format!("says goodbye: {reason}"),
-        None => "says goodbye".to_string(),
-    }
-}
-
 /// Reads percepts until there are none. Of those that nobody takes, the oldest make room, but for what
 /// people have sent with them.
-fn read_percepts(reading: &mut BufReader<TcpStream>, hear: &Sender<Heard>, oldest: &Receiver<Heard>) {
+fn read_percepts(lines: &mut MessageLines, hear: &Sender<Heard>, oldest: &Receiver<Heard>, waiting: &Waiting) {
     let mut unread = Vec::new();
     let end = loop {
-        let line = match read_line(reading) {
+        // Whoever takes the percepts looks at how long none comes.
+        let line = match lines.next(None) {
             ReadLine::Text(line) => line,
-            ReadLine::End => break "is gone: it has closed the line".to_string(),
+            ReadLine::End | ReadLine::Silence => break "is gone: it has closed the line".to_string(),
             ReadLine::Fault(what) => break format!("has sent {what}"),
         };
         let at = Instant::now();
         let mut percept = match read(&line) {
             Ok(FromHost::Percept(percept)) => percept,
-            Ok(FromHost::Bye(Bye { reason })) => break refusal(reason),
+            Ok(FromHost::Bye(bye)) => break bye.told(),
             Ok(FromHost::Hello(_)) => break "greets a second time".to_string(),
             Err(why) => break format!("has sent what is no message: {why}"),
         };
         // One place is left for the end.
-        if hear.len() >= MOST_WAITING
-            && let Ok(Heard::Percept(given_up, _)) = oldest.try_recv()
-        {
+        while hear.len() >= MOST_WAITING || !waiting.has_room(line.len()) {
+            let Ok(Heard::Percept(given_up, _, bytes)) = oldest.try_recv() else { break };
+            waiting.gone(bytes);
             unread.extend(given_up.messages);
         }
+        // An empty word takes room, too.
+        let unread_bytes: usize =
+            unread.iter().flatten().map(|word: &String| word.len() + 1).sum::<usize>() + unread.len();
+        if unread_bytes > MOST_UNREAD_BYTES {
+            break format!("has sent more than {MOST_UNREAD_BYTES} bytes of messages that nobody has taken");
+        }
         percept.messages.splice(0..0, unread.drain(..));
-        if hear.try_send(Heard::Percept(percept, at)).is_err() {
+        let bytes = line.len() + unread_bytes;
+        waiting.come(bytes);
+        if hear.try_send(Heard::Percept(percept, at, bytes)).is_err() {
             return;
         }
     };
@@ -241,7 +351,13 @@ fn read_percepts(reading: &mut BufReader<TcpStream>, hear: &Sender<Heard>, oldes
 }
 
 /// Writes what is decided, and says goodbye when nothing more will be.
-fn write_commands(mut writing: TcpStream, period: Duration, stale: Duration, decided: &Receiver<Decision>) {
+fn write_commands(
+    stream: &TcpStream,
+    period: Duration,
+    stale: Duration,
+    decided: &Receiver<Decision>,
+    hear: &Sender<Heard>,
+) {
     let mut newest: Option<Standing> = None;
     let mut due = Instant::now();
     loop {
@@ -261,13 +377,19 @@ fn write_commands(mut writing: TcpStream, period: Duration, stale: Duration, dec
         }
         due = Instant::now() + period;
         if let Some(message) = newest.as_mut().and_then(|newest| newest.next(Instant::now(), stale))
-            && writing.write_all(written(&ToHost::Commands(message)).as_bytes()).is_err()
+            && let Err(error) = write_line(stream, &written(&ToHost::Commands(message)), PATIENCE)
         {
-            break;
+            // Of a line that is closed the reader knows more.
+            if error.kind() == ErrorKind::TimedOut {
+                let why = format!("has not read what it is told for {:.1} s", PATIENCE.as_secs_f64());
+                hear.try_send(Heard::End(why)).ok();
+            }
+            stream.shutdown(Shutdown::Both).ok();
+            return;
         }
     }
-    writing.write_all(written(&ToHost::Bye(Bye::default())).as_bytes()).ok();
-    writing.shutdown(Shutdown::Both).ok();
+    write_line(stream, &written(&ToHost::Bye(Bye::default())), PATIENCE).ok();
+    stream.shutdown(Shutdown::Both).ok();
 }
 
 /// The newest decision, as it is told again and again.
@@ -299,7 +421,10 @@ impl Standing {
 mod tests {
     use super::*;
     use rpl_protocol::host::GripperOrder;
+    use rpl_robot::simulator::Commands;
     use std::collections::BTreeMap;
+    use std::io::{Read, Write};
+    use std::net::TcpListener;
 
     const PERIOD: Duration = Duration::from_millis(50);
 
@@ -343,6 +468,103 @@ mod tests {
         assert_eq!(told(250), Some((7, 0.5, false)), "the hand is told once");
         assert_eq!(told(300), Some((7, 0.0, false)));
         assert_eq!(told(350), None);
+    }
+
+    /// A host that hears a greeting, says these lines, and then does what it is told with its end of the line.
+    fn host(lines: Vec<String>, then: impl FnOnce(&mut TcpStream) + Send + 'static) -> String {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("it has one").to_string();
+        thread::spawn(move || {
+            let (mut stream, _) = listener.accept().expect("somebody comes");
+            for line in lines {
+                stream.write_all(line.as_bytes()).expect("it is heard");
+            }
+            then(&mut stream);
+        });
+        address
+    }
+
+    fn hello() -> MissionHello {
+        let (rpl, robot) = ("1".to_string(), "fly".to_string());
+        MissionHello { protocol: PROTOCOL, rpl, robot, mission: None, token: None }
+    }
+
+    fn greeting_of(factor: f64) -> String {
+        let robot = "fly".to_string();
+        written(&FromHost::Hello(HostHello { protocol: PROTOCOL, robot, period_us: 50_000, factor, start_known: true }))
+    }
+
+    fn percept_of(number: u64, messages: Vec<Vec<String>>) -> String {
+        let line = format!(
+            r#"{{"type":"percept","number":{number},"time_us":1,"odometry_in_odom":{{"x_m":0,"y_m":0,"heading_rad":0}},"translation_mps":0,"rotation_radps":0,"bumped":false,"gripper":"open","battery":1,"messages":"#
+        );
+        line + &serde_json::to_string(&messages).expect("JSON") + "}\n"
+    }
+
+    #[test]
+    fn a_host_that_drips_or_is_silent_is_waited_for_in_all_so_long() {
+        const SHORT: Duration = Duration::from_millis(100);
+        for drips in [false, true] {
+            let address = host(Vec::new(), move |stream| {
+                stream.set_read_timeout(Some(Duration::from_millis(3))).expect("it may be set");
+                // Until the mission has gone.
+                while !drips || stream.write_all(b"x").is_ok() {
+                    if matches!(stream.read(&mut [0; 1000]), Ok(0)) {
+                        return;
+                    }
+                }
+            });
+            let LineFault(why) = TcpHost::connect_within(SHORT, &address, hello()).expect_err("it says nothing");
+            assert!(why.contains("gives no greeting within 0.1 s"), "{why}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_percepts_go_on_and_none_is_out_of_all_proportion() {
+        for (numbers, expected) in [
+            (vec![u64::MAX], "has sent percept 18446744073709551615 where 0 is the next"),
+            (vec![3, 3], "has sent percept 3 where 4 or a later one is expected"),
+        ] {
+            let mut lines = vec![greeting_of(1e-3)];
+            lines.extend(numbers.iter().map(|&number| percept_of(number, Vec::new())));
+            let address = host(lines, |stream| while matches!(stream.read(&mut [0; 1000]), Ok(1..)) {});
+            let (_, mut host) = TcpHost::connect(&address, hello()).expect("it greets");
+            let commands = CommandsMessage::new(0, &Commands::default());
+            let LineFault(why) = numbers.iter().find_map(|_| host.answer(&commands).err()).expect("it is lost");
+            assert!(why.contains(expected), "{why}");
+        }
+    }
+
+    #[test]
+    fn percepts_that_nobody_takes_do_not_fill_the_memory() {
+        let message = || vec![vec!["x".repeat(100_000)]];
+        let lines = (0..60).map(|number| percept_of(number, message())).collect();
+        let stream = TcpStream::connect(host(lines, |_| ())).expect("it listens");
+        let (hear, heard) = bounded(MOST_WAITING + 1);
+        let waiting = Waiting::new(MOST_UNREAD_BYTES);
+        read_percepts(&mut MessageLines::new(stream, LINE), &hear, &heard.clone(), &waiting);
+        assert!(waiting.bytes.load(Ordering::Relaxed) <= 2 * MOST_UNREAD_BYTES);
+        let kept: Vec<Heard> = heard.try_iter().collect();
+        let Some(Heard::End(why)) = kept.last() else { panic!("it is lost") };
+        assert!(why.contains("has sent more than 1048576 bytes of messages"), "{why}");
+        assert!(kept.len() < 12, "{}", kept.len());
+    }
+
+    #[test]
+    fn a_host_that_takes_no_commands_is_found_out() {
+        let (start, at) = (Instant::now(), |ms| Duration::from_millis(ms));
+        let mut untaken = Untaken { patience: at(2_100), decisions: VecDeque::new() };
+        for number in 0..40 {
+            untaken.decided(number, start + at(50 * number));
+        }
+        assert_eq!(untaken.taken(Some(38), start + at(2_000)), Ok(()));
+        untaken.decided(41, start + at(2_050));
+        assert_eq!(untaken.taken(Some(40), start + at(4_150)), Ok(()));
+        let why = untaken.taken(Some(40), start + at(4_151)).expect_err("it takes none");
+        assert_eq!(why, "has not taken the commands of number 41 for 2.1 s");
+        assert_eq!(untaken.taken(Some(41), start + at(9_000)), Ok(()));
+        untaken.decided(42, start + at(9_000));
+        assert!(untaken.taken(None, start + at(12_000)).is_err(), "it never says that it has taken any");
     }
 
     #[test]

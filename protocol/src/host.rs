@@ -4,10 +4,12 @@
 //! the mission. From then on the host says what the robot perceives once a period, and the mission what the
 //! robot is to do as soon as it has decided. Either says `bye` before it goes, with a reason if there is one.
 
+use crate::token::Token;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use rpl_lang::visible::{clause, shortened};
 use rpl_robot::geometry::Pose;
-use rpl_robot::sensors::{CameraImage, CameraReading, CameraView, RangeSensors, Signal, Signals};
+use rpl_robot::sensors::{CameraImage, CameraReading, CameraView, FailedSensors, RangeSensors, Signal, Signals};
 use rpl_robot::simulator::{CameraCommand, Commands, GripperCommand, GripperMotion, GripperStatus, Percept};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -15,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The version of the messages.
-pub const PROTOCOL: u32 = 1;
+pub const PROTOCOL: u32 = 2;
 
 /// Bytes of a line, at most; a longer one is a fault of whoever sent it.
 pub const LONGEST_LINE: usize = 1 << 20;
@@ -54,12 +56,18 @@ pub enum FromHost {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MissionHello {
-    /// The version of the messages it speaks: 1.
+    /// The version of the messages it speaks: 2.
     pub protocol: u32,
     /// The version of the program.
     pub rpl: String,
     /// The robot it is for.
     pub robot: String,
+    /// What it is called, for whoever finds the robot in use: a plan, by the name of its file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mission: Option<String>,
+    /// What a host that has a token wants to be told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub token: Option<Token>,
 }
 
 /// How a host greets.
@@ -67,7 +75,7 @@ pub struct MissionHello {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct HostHello {
-    /// The version of the messages it speaks: 1.
+    /// The version of the messages it speaks: 2.
     pub protocol: u32,
     /// The robot that it moves.
     pub robot: String,
@@ -85,8 +93,8 @@ pub struct HostHello {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CommandsMessage {
-    /// Counts the decisions from 0: how many percepts the mission had taken in. The same number again is
-    /// the same decision, repeated as a sign of life.
+    /// The number of the percept that the decision waits for: it has taken in those before, as far as they came. The
+    /// same number again is the same decision, repeated as a sign of life.
     pub number: u64,
     /// Wanted speed ahead, negative backwards.
     pub translation_mps: f64,
@@ -145,15 +153,18 @@ pub struct PerceptMessage {
     pub rotation_radps: f64,
     /// Of each sonar, the distance from its mount, which of a ring is the middle of the robot; the maximum
     /// range where there was no echo.
-    /// None if the sonars are off or have failed.
+    /// None if there are no sonars, or they are off or have failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sonar_m: Option<Vec<f32>>,
-    /// The same of each reading of the laser, from right to left. None if there is no laser.
+    /// The same of each reading of the laser, from right to left. None if there is no laser, or it has failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser_m: Option<Vec<f32>>,
     /// What the camera tells. None if there is no camera, or it is off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraMessage>,
+    /// Sensors that have failed. Of all others that the robot has and that are on something is expected.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failed: Vec<SensorMessage>,
     /// Whether something presses against the body.
     pub bumped: bool,
     /// How the gripper stands.
@@ -182,6 +193,19 @@ pub struct CameraMessage {
     /// each, the top row first, in Base64. It is as wide and high as the file of the robot says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<String>,
+}
+
+/// What a robot may have to sense with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum SensorMessage {
+    /// All sonars.
+    Sonars,
+    /// The laser range finder.
+    Laser,
+    /// The camera.
+    Camera,
 }
 
 /// What a sensor perceives or an actuator is told, by its name, that rpl knows nothing else of.
@@ -259,6 +283,36 @@ fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
+impl Bye {
+    /// That somebody says this, as a clause about them.
+    pub fn told(&self) -> String {
+        match &self.reason {
+            Some(reason) => format!("says goodbye: {}", clause(reason)),
+            None => "says goodbye".to_string(),
+        }
+    }
+}
+
+impl MissionHello {
+    /// Why a host of this robot cannot serve the mission, as a clause about it, if it cannot.
+    pub fn unfit(&self, robot: &str, token: Option<&Token>) -> Option<String> {
+        if self.protocol != PROTOCOL {
+            return Some(format!("speaks version {} of the messages, and this host {PROTOCOL}", self.protocol));
+        }
+        // Whoever has no token learns nothing of what is here.
+        match (token, &self.token) {
+            (Some(token), Some(said)) if token.is(said) => {}
+            (Some(_), Some(_)) => return Some("has another token than this host".to_string()),
+            (Some(_), None) => {
+                return Some("has no token, and this host wants one: `--token-file FILE`".to_string());
+            }
+            (None, _) => {}
+        }
+        let is_for = || format!("is for the robot `{}`, and this host moves `{robot}`", shortened(&self.robot));
+        (self.robot != robot).then(is_for)
+    }
+}
+
 impl CommandsMessage {
     /// The commands of a robot, as the decision of a number.
     pub fn new(number: u64, commands: &Commands) -> Self {
@@ -314,6 +368,7 @@ impl PerceptMessage {
                 pan_rad: reading.pan_rad,
                 image: reading.image.as_ref().map(|image| BASE64_STANDARD.encode(&image.rgb)),
             }),
+            failed: failed_messages(percept.failed),
             bumped: percept.bumped,
             gripper: match percept.gripper.motion {
                 GripperMotion::Open => GripperMotionMessage::Open,
@@ -365,6 +420,11 @@ impl PerceptMessage {
             sonar_m: sonar_m.map(<[f32]>::to_vec),
             laser_m: laser_m.map(<[f32]>::to_vec),
             camera,
+            failed: FailedSensors {
+                sonars: self.failed.contains(&SensorMessage::Sonars),
+                laser: self.failed.contains(&SensorMessage::Laser),
+                camera: self.failed.contains(&SensorMessage::Camera),
+            },
             bumped: self.bumped,
             gripper: GripperStatus { motion, holding: self.holding.clone() },
             battery: self.battery,
@@ -396,6 +456,12 @@ fn image(text: &str, view: &CameraView) -> Result<CameraImage, String> {
         ));
     }
     Ok(CameraImage { columns, rgb })
+}
+
+fn failed_messages(failed: FailedSensors) -> Vec<SensorMessage> {
+    let FailedSensors { sonars, laser, camera } = failed;
+    let all = [(SensorMessage::Sonars, sonars), (SensorMessage::Laser, laser), (SensorMessage::Camera, camera)];
+    all.into_iter().filter(|(_, has_failed)| *has_failed).map(|(sensor, _)| sensor).collect()
 }
 
 fn messages_of(signals: &Signals) -> SignalMessages {
@@ -440,7 +506,7 @@ fn ranges<'a>(name: &str, readings: &'a [f32], expected: usize) -> Result<&'a [f
 /// # Errors
 /// One clause that says what is wrong with it.
 pub fn read<'t, M: Deserialize<'t>>(line: &'t str) -> Result<M, String> {
-    serde_json::from_str(line).map_err(|error| error.to_string().replace(" at line 1 column ", ", at column "))
+    serde_json::from_str(line).map_err(|error| clause(&error.to_string().replace(" at line 1 column ", ", at column ")))
 }
 
 /// A message as a line, with its end.

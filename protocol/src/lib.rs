@@ -4,8 +4,9 @@
 //! Everything here is a value or a function of values. Who carries the words stands behind the trait
 //! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
 //!
-//! Read `line` first, then `value` and `module`, `host` and `thinking`.
+//! Read `line` first, then `value` and `module`, `host`, `token`, `course` and `thinking`.
 
+pub mod course;
 pub mod guard;
 pub mod host;
 pub mod line;
@@ -14,4 +15,5 @@ pub mod remote_host;
 #[cfg(feature = "schema")]
 pub mod schema;
 pub mod thinking;
+pub mod token;
 pub mod value;

@@ -1,11 +1,13 @@
 //! A host in another process, as a run has it: where the run stands in the conversation with it.
 
+use crate::course::Course;
 use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};
 use crate::line::{Conversation, Line, LineFault};
 use crate::thinking::{self, Thinking, ThinkingLine};
+use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{Host, HostLost, Report, SaveHost};
-use rpl_robot::sensors::{CameraView, RangeSensors};
+use rpl_robot::sensors::RangeSensors;
 use rpl_robot::simulator::{Commands, GripperCommand, GripperMotion, Percept};
 use rpl_runtime::robot::thinking::{Insight, Thought, Ticket};
 use rpl_runtime::state::failure::Raise;
@@ -18,17 +20,15 @@ pub struct RemoteHost {
     /// What messages call it: `the host "127.0.0.1:7300"`.
     name: String,
     conversation: Conversation<CommandsMessage, HostAnswer>,
-    period_us: u64,
+    robot: Arc<RobotDescription>,
     /// How many readings it gives.
     sensors: RangeSensors,
-    /// How its images lie.
-    camera: Option<CameraView>,
     /// The decision that told the gripper something, until the host has heard of it.
     gripper_told: Option<u64>,
-    /// Where its odometry was at the last percept, and whether its bumper was pressed.
-    last: (Pose, bool),
-    /// Where the odometry of the host began, in that of the run: a host that is reached again begins anew.
-    host_odom_in_odom: Pose,
+    /// What it has said so far; a host that is reached again begins anew.
+    course: Course,
+    /// Whether its bumper was pressed at the last percept.
+    was_bumped: bool,
     /// What is thought about while it goes on.
     thinking: Thinking,
     /// How it went.
@@ -44,6 +44,10 @@ pub struct HostRecord {
     pub percepts_late: u64,
     /// Those that never came.
     pub percepts_missing: u64,
+    /// Those whose time cannot be.
+    pub times_astray: u64,
+    /// Those whose motion cannot be.
+    pub motions_astray: u64,
     /// Decisions that took longer than a period.
     pub decisions_long: u64,
     /// How long the longest of them took.
@@ -55,51 +59,53 @@ pub struct HostRecord {
 }
 
 impl RemoteHost {
-    /// A host at the start of a mission, called by its address, of a robot with these range sensors and
-    /// this camera; with the line to who thinks for the mission.
+    /// A host at the start of a mission, called by its address, of a robot; with the line to who thinks for the
+    /// mission.
     pub fn new(
         address: &str,
         line: Arc<dyn Line<CommandsMessage, HostAnswer>>,
         thinking: ThinkingLine,
-        period_us: u64,
-        sensors: RangeSensors,
-        camera: Option<CameraView>,
+        robot: Arc<RobotDescription>,
     ) -> Self {
         Self {
             name: address.to_string(),
             conversation: Conversation::new(line),
-            period_us,
-            sensors,
-            camera,
+            sensors: robot.range_sensors(),
+            robot,
             gripper_told: None,
-            last: (Pose::default(), false),
-            host_odom_in_odom: Pose::default(),
+            course: Course::new(Pose::default()),
+            was_bumped: false,
             thinking: Thinking::new(thinking),
             record: HostRecord::default(),
         }
     }
 
-    /// Where the robot is by what it has heard, as the run counts time: a host may have gone on while the
-    /// run stood still.
-    fn percept(&mut self, message: &PerceptMessage) -> Result<Percept, String> {
-        let mut percept = message.percept(&self.sensors, self.camera.as_ref())?;
-        percept.time_us = self.conversation.turn() * self.period_us;
-        percept.odometry_in_odom = self.host_odom_in_odom.compose(percept.odometry_in_odom);
+    /// What the robot has perceived by what was heard after these commands, as the run counts time: a host may have
+    /// gone on while the run stood still.
+    fn percept(
+        &mut self,
+        message: &PerceptMessage,
+        commands: &Commands,
+        reports: &mut Vec<Report>,
+    ) -> Result<Percept, String> {
+        let camera = self.robot.camera.map(|camera| camera.view);
+        let mut percept = message.percept(&self.sensors, camera.as_ref())?;
+        let before = self.course.robot_in_odom();
+        let astray = self.course.take(message, &mut percept, commands, &self.robot, reports)?;
+        percept.time_us = self.conversation.turn() * self.robot.step_us;
         // A hand that was told to move, by commands that had not arrived, is about to.
         if self.gripper_told.is_some_and(|told| message.commands < Some(told)) {
             percept.gripper.motion = GripperMotion::Moving;
         } else {
             self.gripper_told = None;
         }
+        let was_bumped = std::mem::replace(&mut self.was_bumped, percept.bumped);
+        let record = &mut self.record;
+        record.times_astray += u64::from(astray.is_time);
+        record.motions_astray += u64::from(astray.is_motion);
+        record.distance_m += before.distance_m(percept.odometry_in_odom);
+        record.bumps += u64::from(percept.bumped && !was_bumped);
         Ok(percept)
-    }
-
-    /// What a percept adds to the record.
-    fn follow(&mut self, percept: &Percept) {
-        let (pose, was_bumped) = self.last;
-        self.record.distance_m += pose.distance_m(percept.odometry_in_odom);
-        self.record.bumps += u64::from(percept.bumped && !was_bumped);
-        self.last = (percept.odometry_in_odom, percept.bumped);
     }
 
     fn note(&mut self, answer: &HostAnswer, reports: &mut Vec<Report>) {
@@ -111,7 +117,7 @@ impl RemoteHost {
             reports.push(Report::DecisionLong { took_s });
         }
         if answer.missing > 0 {
-            record.percepts_missing += answer.missing;
+            record.percepts_missing = record.percepts_missing.saturating_add(answer.missing);
             reports.push(Report::PerceptsMissing { count: answer.missing });
         }
         if let Some(late_s) = answer.late_s {
@@ -123,18 +129,16 @@ impl RemoteHost {
 
 impl Host for RemoteHost {
     fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost> {
-        let words = CommandsMessage::new(self.conversation.turn(), commands);
+        let words = CommandsMessage::new(self.course.next, commands);
         if commands.gripper != GripperCommand::None {
             self.gripper_told = Some(words.number);
         }
         let answer = self.conversation.say(&words).map_err(|LineFault(why)| HostLost(why))?;
         self.note(&answer, reports);
         let number = answer.percept.number;
-        let percept = self.percept(&answer.percept).map_err(|why| {
+        self.percept(&answer.percept, commands, reports).map_err(|why| {
             HostLost(format!("the host `{}` says what cannot be, in percept {number}: {why}", self.name))
-        })?;
-        self.follow(&percept);
-        Ok(percept)
+        })
     }
 
     /// The world goes on while a question is thought about.
@@ -152,21 +156,20 @@ impl Host for RemoteHost {
 
     /// Time and odometry of a host begin anew with every mission that reaches it; those of the run go on.
     fn renew(&mut self) -> bool {
-        let (robot_in_odom, _) = self.last;
-        self.host_odom_in_odom = robot_in_odom;
+        self.course = Course::new(self.course.robot_in_odom());
         self.gripper_told = None;
         true
     }
 }
 
-/// What changes of it: turns that are over, the decision the gripper waits for, the last percept, where its
-/// odometry began, what is thought about, the record.
-type Changing = (u64, Option<u64>, (Pose, bool), Pose, thinking::Changing, HostRecord);
+/// What changes of it: turns that are over, the decision the gripper waits for, what it has said so far, whether its
+/// bumper was pressed, what is thought about, the record.
+type Changing = (u64, Option<u64>, Course, bool, thinking::Changing, HostRecord);
 
 impl SaveHost for RemoteHost {
     fn save(&self) -> Vec<u8> {
         let (turn, thinking) = (self.conversation.turn(), self.thinking.changing());
-        let changing: Changing = (turn, self.gripper_told, self.last, self.host_odom_in_odom, thinking, self.record);
+        let changing: Changing = (turn, self.gripper_told, self.course, self.was_bumped, thinking, self.record);
         match postcard::to_allocvec(&changing) {
             Ok(bytes) => bytes,
             Err(error) => unreachable!("every length is known: {error}"),
@@ -177,7 +180,7 @@ impl SaveHost for RemoteHost {
         let changing: Changing =
             postcard::from_bytes(bytes).map_err(|error| format!("where it stood with its host is damaged: {error}"))?;
         let (turn, thinking);
-        (turn, self.gripper_told, self.last, self.host_odom_in_odom, thinking, self.record) = changing;
+        (turn, self.gripper_told, self.course, self.was_bumped, thinking, self.record) = changing;
         self.conversation.go_on_at(turn);
         self.thinking.change(thinking);
         Ok(())

@@ -3,7 +3,7 @@
 use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
 use crate::ros_host::{NUMBER, RosHost, TopicNames};
 use crate::topic::Topics;
-use rpl_link::tcp_server::{Service, ServiceRecord, serve};
+use rpl_link::tcp_server::{PATIENCE, Service, ServiceRecord, serve};
 use rpl_protocol::host::{CommandsMessage, FromHost, MissionHello, PROTOCOL, PerceptMessage, ToHost, read, written};
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
@@ -113,7 +113,16 @@ fn bridge() -> (SocketAddr, JoinHandle<ServiceRecord>) {
         }
         let robot = robot();
         let (name, period_us) = (robot.name.clone(), robot.step_us);
-        let service = Service { robot: name, period_us, factor: 1.0, until_us: None, once: false, start_known: false };
+        let service = Service {
+            robot: name,
+            period_us,
+            factor: 1.0,
+            until_us: None,
+            once: false,
+            start_known: false,
+            patience: PATIENCE,
+            token: None,
+        };
         serve(&mut host, listener, service, &|| false, &mut |_| {}).expect("a listener")
     });
     (address, serving)
@@ -123,6 +132,8 @@ fn bridge() -> (SocketAddr, JoinHandle<ServiceRecord>) {
 struct Mission {
     stream: TcpStream,
     reading: BufReader<TcpStream>,
+    /// The number of the next percept.
+    next: u64,
 }
 
 impl Mission {
@@ -130,8 +141,9 @@ impl Mission {
         let stream = TcpStream::connect(address).expect("the bridge listens");
         stream.set_read_timeout(Some(DEADLINE)).expect("a socket");
         let reading = BufReader::new(stream.try_clone().expect("a socket"));
-        let mut mission = Self { stream, reading };
-        let hello = MissionHello { protocol: PROTOCOL, rpl: "test".to_string(), robot: robot().name.clone() };
+        let mut mission = Self { stream, reading, next: 0 };
+        let (rpl, robot) = ("test".to_string(), robot().name.clone());
+        let hello = MissionHello { protocol: PROTOCOL, rpl, robot, mission: None, token: None };
         mission.say(&ToHost::Hello(hello));
         let FromHost::Hello(hello) = mission.hear() else { panic!("the bridge greets") };
         assert!(!hello.start_known && hello.period_us == 50_000, "{hello:?}");
@@ -153,8 +165,9 @@ impl Mission {
         let began = Instant::now();
         let commands = Commands { translation_mps: 9.0, sonars_on: true, ..Commands::default() };
         loop {
-            self.say(&ToHost::Commands(CommandsMessage::new(0, &commands)));
+            self.say(&ToHost::Commands(CommandsMessage::new(self.next, &commands)));
             let FromHost::Percept(percept) = self.hear() else { panic!("the bridge says goodbye") };
+            self.next = percept.number + 1;
             if asked(&percept) {
                 return *percept;
             }

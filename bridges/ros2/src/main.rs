@@ -12,13 +12,14 @@ mod topic;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use ros_host::{NUMBER, RosHost, TopicNames};
-use rpl_link::tcp_server::{Notice, Service, serve};
+use rpl_link::tcp_server::{Notice, PATIENCE, Service, serve};
+use rpl_protocol::token::Token;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
 use std::fs::File;
 use std::io::Read;
 use std::net::TcpListener;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,7 +29,7 @@ use std::time::Duration;
 /// The largest number of a domain whose ports there are.
 const LAST_DOMAIN: i64 = 232;
 
-/// Bytes of a robot file, at most.
+/// Bytes of a robot file or of one with a token, at most.
 const MOST_BYTES: u64 = 64 << 10;
 
 /// How often it is looked whether the topics have spoken.
@@ -68,6 +69,12 @@ struct Arguments {
     /// The battery is heard here (sensor_msgs/BatteryState)
     #[arg(long, value_name = "TOPIC", default_value = "/battery_state")]
     battery: String,
+    /// A mission that gives no commands for so many seconds has lost the robot
+    #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs(), value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    patience: u64,
+    /// The file with the token that missions have to know, one line of 16 characters or more
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
     /// The wheels are told here (geometry_msgs/Twist)
     #[arg(long, value_name = "TOPIC", default_value = "/cmd_vel")]
     velocity: String,
@@ -112,6 +119,8 @@ fn run(arguments: &Arguments) -> Result<()> {
         until_us: None,
         once: false,
         start_known: arguments.start_known,
+        patience: Duration::from_secs(arguments.patience),
+        token: arguments.token_file.as_deref().map(token).transpose()?,
     };
     let record =
         serve(&mut host, listener, service, &is_stopped, &mut |notice| tell(&notice)).with_context(cannot_listen)?;
@@ -161,15 +170,26 @@ fn robot_named(name: &str) -> Result<Arc<RobotDescription>> {
         let known: Vec<&str> = RobotDescription::builtin_names().collect();
         bail!("no robot is called `{name}`; there are {}, and files that end in .toml", known.join(", "));
     }
-    let cannot = || format!("cannot read the robot `{name}`");
-    let mut text = String::new();
-    File::open(name).with_context(cannot)?.take(MOST_BYTES + 1).read_to_string(&mut text).with_context(cannot)?;
-    if text.len() as u64 > MOST_BYTES {
-        bail!("{}: it has more than {MOST_BYTES} bytes", cannot());
-    }
+    let text = text_of(Path::new(name)).with_context(|| format!("cannot read the robot `{name}`"))?;
     RobotDescription::parse(&text, name)
         .map(Arc::new)
         .map_err(|error| anyhow!("the robot `{name}` has faults\n{error}"))
+}
+
+fn token(file: &Path) -> Result<Token> {
+    let cannot = || format!("the token file `{}` is of no use", file.display());
+    let text = text_of(file).with_context(cannot)?;
+    Token::new(&text).map_err(|why| anyhow!("the token {why}")).with_context(cannot)
+}
+
+/// A file that is short by its nature.
+fn text_of(file: &Path) -> Result<String> {
+    let mut text = String::new();
+    File::open(file)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST_BYTES {
+        bail!("it has more than {MOST_BYTES} bytes");
+    }
+    Ok(text)
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -181,9 +201,10 @@ fn finite(text: &str) -> Result<f64, String> {
 
 fn tell(notice: &Notice) {
     match notice {
-        Notice::Came(address) => eprintln!("a mission has come from {address}"),
+        Notice::Came(who) => eprintln!("{who} has the robot"),
         Notice::Went(why) => eprintln!("the mission is gone: {why}"),
         Notice::Refused(why) => eprintln!("refused: {why}"),
+        Notice::RefusedMore(count) => eprintln!("refused: {count} more"),
         Notice::Halted(halt) => eprintln!("motors off: {halt:?}"),
         // Nobody looks at the world of a real robot.
         Notice::Happened(_) => {}

@@ -7,7 +7,7 @@ use anyhow::Result;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{Host, HostLost, Report};
-use rpl_robot::sensors::{RangeSensors, Signals, SonarLayout};
+use rpl_robot::sensors::{FailedSensors, RangeSensors, Signals, SonarLayout};
 use rpl_robot::simulator::{Commands, GripperMotion, GripperStatus, Percept};
 use std::sync::Arc;
 use std::thread;
@@ -194,6 +194,7 @@ impl RosHost {
             sonar_m,
             laser_m,
             camera: None,
+            failed: FailedSensors::default(),
             bumped: was_pressed,
             gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
             battery: self.charge,

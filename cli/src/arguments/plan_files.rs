@@ -1,5 +1,6 @@
 //! Plans named on the command line: files, and folders with all the plans below them.
 
+use crate::files::shown::Shown;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ fn below(folder: &Path) -> Vec<Result<String, String>> {
     if found.is_empty() {
         return vec![Err(format!(
             "there is no plan in the folder `{}`: no file below it ends in .rpl",
-            folder.display()
+            folder.shown()
         ))];
     }
     found.into_iter().map(|(_, file)| file).collect()
@@ -46,7 +47,7 @@ fn below(folder: &Path) -> Vec<Result<String, String>> {
 
 /// The plans that lie in a folder itself; the folders in it are added to `folders`.
 fn plans_in(folder: &Path, folders: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, String> {
-    let fault = |error| format!("cannot read the folder `{}`: {error}", folder.display());
+    let fault = |error| format!("cannot read the folder `{}`: {error}", folder.shown());
     let mut plans = Vec::new();
     for entry in fs::read_dir(folder).map_err(fault)? {
         let entry = entry.map_err(fault)?;
@@ -68,5 +69,5 @@ fn plans_in(folder: &Path, folders: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, S
 fn text_of(path: &Path) -> Result<String, String> {
     // `./a.rpl` is `a.rpl`.
     let path = path.strip_prefix(".").unwrap_or(path);
-    path.to_str().map(str::to_string).ok_or_else(|| format!("the name of the file `{}` is not UTF-8", path.display()))
+    path.to_str().map(str::to_string).ok_or_else(|| format!("the name of the file `{}` is not UTF-8", path.shown()))
 }

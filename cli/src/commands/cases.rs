@@ -56,7 +56,7 @@ pub struct Arguments {
 /// The file cannot be read or has faults, there is no such world, or the drawing cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let drawing = arguments.draw.as_ref().map(|path| OutputFile::open(path, "the drawing")).transpose()?;
-    let name = arguments.file.display().to_string();
+    let name = arguments.file.to_string_lossy().into_owned();
     let text = case_files::read(&arguments.file)?;
     let robot = robot_files::named(Some(arguments.robot.as_deref().unwrap_or(ROBOT)))?;
     let world = match &arguments.world {

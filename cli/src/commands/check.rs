@@ -17,6 +17,7 @@ use rpl_lang::check::KnownPlaces;
 use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use rpl_lang::source::{Sources, Span};
+use rpl_lang::visible::visible;
 use rpl_mission::site::{Setup, Site};
 use serde::Serialize;
 use std::sync::Arc;
@@ -229,10 +230,10 @@ fn findings(sites: &[Site], plan: &PlanText, places: Option<&KnownPlaces>) -> (V
 /// Tells the findings in a text.
 fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<()> {
     if findings.is_empty() {
-        return Ok(console.print(&format!("{name}: no findings"))?);
+        return Ok(console.print(&format!("{}: no findings", visible(name)))?);
     }
     console.note(render(findings, &program.sources, console.colour).trim_end());
-    console.note(&format!("{name}: {}", count(findings)));
+    console.note(&format!("{}: {}", visible(name), count(findings)));
     Ok(())
 }
 

@@ -59,5 +59,5 @@ fn program() -> String {
     if Path::new(&called).components().count() < 2 {
         return "rpl".to_string();
     }
-    env::current_exe().map_or(called, |path| path.display().to_string())
+    env::current_exe().map_or(called, |path| path.to_string_lossy().into_owned())
 }

@@ -9,6 +9,7 @@ use crate::experiment::{self, Conduct, ExperimentRequest, RunSource};
 use crate::files::inputs::STANDARD_INPUT;
 use crate::files::project_file::ProjectFile;
 use crate::files::robot_files;
+use crate::files::shown::Shown;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Result, bail};
@@ -159,7 +160,7 @@ impl Arguments {
         let mut arguments = self.clone();
         let named = ProjectFile::of(arguments.name.as_slice(), ("experiment", "experiment"), console)?;
         let Some((file, project)) = named else { return Ok(arguments) };
-        let shown = file.display();
+        let shown = file.shown();
         arguments.name = Some(project.plan_to_run(&file)?);
         if arguments.world.is_none() {
             if !project.modules.is_empty() {

@@ -1,6 +1,7 @@
 //! `rpl journal DIR`: what is in a journal.
 
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use crate::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, PastSession, checkpoint_times};
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -35,7 +36,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if let Some(name) = &arguments.text {
         let Some((_, text)) = kept.head.texts().find(|(known, _)| known == name) else {
             let names: Vec<&str> = kept.head.texts().map(|(name, _)| name).collect();
-            bail!("the journal `{}` has no text `{name}`; it has {}", path.display(), names.join(", "));
+            bail!("the journal `{}` has no text `{name}`; it has {}", path.shown(), names.join(", "));
         };
         console.print(text.strip_suffix('\n').unwrap_or(text))?;
         return Ok(Status::Succeeded);
@@ -54,13 +55,13 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     tell("told", length(&path.join(LOG)));
     let trace = journal::went_on(path)?.map_or_else(|| kept.head.trace.clone(), |how| how.trace);
     if let Some(trace) = &trace {
-        tell("trace", format!("{}, {}", trace.display(), length(trace)));
+        tell("trace", format!("{}, {}", trace.shown(), length(trace)));
     }
     for (name, text) in kept.head.texts() {
         tell("text", format!("{name}, {}", size(text.len() as u64)));
     }
     for file in journal::changed_files(&kept, &journal::changes(path)?) {
-        tell("changed", file.display().to_string());
+        tell("changed", file.shown());
     }
     lines.iter().try_for_each(|line| console.explain_hanging(line, KEY_COLUMNS))?;
     Ok(Status::Succeeded)
@@ -69,10 +70,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 /// A session at the prompt, and what was typed.
 fn tell_session(path: &Path, kept: &KeptRun, console: &mut Console) -> Result<Status> {
     let past = PastSession::read(path)?;
-    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.display()))?;
+    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.shown()))?;
     let now = match taken {
         Some(process) => format!("goes on: process {process} writes it"),
-        None => format!("`rpl repl --journal {}` goes on with it", path.display()),
+        None => format!("`rpl repl --journal {}` goes on with it", path.shown()),
     };
     let mut lines = vec![("session", described(kept)), ("now", now)];
     lines.extend(past.typed.iter().filter(|typed| !typed.typed.trim().is_empty()).map(|Typed { typed, time_us }| {
@@ -101,13 +102,13 @@ fn described(kept: &KeptRun) -> String {
 
 /// Whether it goes on, stands still or is over.
 fn standing(path: &Path) -> Result<String> {
-    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.display()))?;
+    let taken = taken_by(path).with_context(|| format!("cannot read the journal `{}`", path.shown()))?;
     if let Some(process) = taken {
         return Ok(format!("goes on: process {process} writes it"));
     }
     Ok(match JournalEnd::read(path)? {
         Some(end) => format!("it {}, at {:.1} s", end.how.told(), end.time_us as f64 / 1e6),
-        None => format!("it was killed; `rpl resume {}` goes on with it", path.display()),
+        None => format!("it was killed; `rpl resume {}` goes on with it", path.shown()),
     })
 }
 

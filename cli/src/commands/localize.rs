@@ -12,6 +12,7 @@ use crate::files::inputs;
 use crate::files::maps;
 use crate::files::maps::MapFile;
 use crate::files::outputs::{OutputFile, OutputFolder};
+use crate::files::shown::Shown;
 use crate::interrupt;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -111,7 +112,7 @@ const ERRORS: &str = "errors.svg";
 const CERTAINTY: &str = "certainty.svg";
 
 fn read_log(arguments: &Arguments) -> Result<Recording> {
-    let name = arguments.log.display();
+    let name = arguments.log.shown();
     if mcap_log::is_mcap(&arguments.log) {
         let bytes = inputs::read_bytes(&arguments.log, mcap_log::MOST_BYTES);
         let bytes = bytes.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
@@ -137,8 +138,8 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
     bail!(
         "the log `{}` does not belong to the map `{}`: {} of its {total} corrected poses (the first in line {first}) \
          are not on the map's free space, which lies within ({:.1}, {:.1}) and ({:.1}, {:.1})",
-        arguments.log.display(),
-        arguments.map.display(),
+        arguments.log.shown(),
+        arguments.map.shown(),
         off.len(),
         origin.x,
         origin.y,
@@ -150,7 +151,7 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
 /// The parameters, for scans of these beams.
 fn parameters(arguments: &Arguments, beams_deg: Vec<i32>) -> Result<LocalizationParameters> {
     let Some(path) = &arguments.parameters else { return Ok(LocalizationParameters::recorded(beams_deg)) };
-    let name = path.display();
+    let name = path.shown();
     let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the parameters `{name}`: {reason}"))?;
     let mut parameters: LocalizationParameters = serde_json::from_str(&text)
         .with_context(|| format!("`{name}` is no file of parameters; write one with `rpl localize --fit {name}`"))?;

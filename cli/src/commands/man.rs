@@ -2,6 +2,7 @@
 
 use super::VERSION;
 use crate::files::outputs::OutputFolder;
+use crate::files::shown::Shown;
 use crate::status::Status;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result};
@@ -26,7 +27,7 @@ pub fn run(arguments: &Arguments, command_line: Command, console: &mut Console) 
     let output = OutputFolder::open(folder, "man")?;
     let pages = pages(command_line)?;
     pages.iter().try_for_each(|(name, text)| output.write(name, text))?;
-    console.note(&format!("{} pages in {}", pages.len(), folder.display()));
+    console.note(&format!("{} pages in {}", pages.len(), folder.shown()));
     Ok(Status::Succeeded)
 }
 

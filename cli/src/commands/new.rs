@@ -2,6 +2,7 @@
 
 use crate::arguments::completion;
 use crate::files::project_file::PROJECT_FILE;
+use crate::files::shown::Shown;
 use crate::files::{outputs, robot_files, world_files};
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -34,7 +35,7 @@ pub struct Arguments {
 /// There is such a folder with something in it, no such world, one without a place to drive to, or nothing can be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let folder = &arguments.name;
-    let shown = folder.display();
+    let shown = folder.shown();
     if fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) || folder.is_file() {
         bail!("`{shown}` is there already, and nothing in it is overwritten; name another folder");
     }
@@ -55,7 +56,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     fs::create_dir_all(folder).map_err(|error| anyhow!("cannot make the folder `{shown}`: {error}"))?;
     for (name, text) in files {
         let path = folder.join(name);
-        outputs::write_new(&path, &text, false).map_err(|why| anyhow!("cannot write `{}`: {why}", path.display()))?;
+        outputs::write_new(&path, &text, false).map_err(|why| anyhow!("cannot write `{}`: {why}", path.shown()))?;
     }
     let told = format!(
         "`{shown}` has a plan, main.rpl, that drives to `{place}`, and a test of it, tests.rpl. In that folder,\n\

@@ -7,6 +7,7 @@ use crate::arguments::site::SiteArguments;
 use crate::files::inputs;
 use crate::files::module_files::{GoingBack, ModuleVoices};
 use crate::files::plans::{self, PlanText};
+use crate::files::shown::Shown;
 use crate::hosts::{self, HostArguments, Use};
 use crate::journal::{self, KeptRun, KeptText, PastSession, SessionJournal, Writing};
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind};
@@ -60,7 +61,7 @@ pub fn run(
     if let Some(journal) = &arguments.journal {
         return with_journal(journal, arguments, command_line, stops_at_start, console);
     }
-    let source = arguments.host.reach(&arguments.site)?;
+    let source = arguments.host.reach(&arguments.site, arguments.file.as_deref().unwrap_or("a session"))?;
     let (site, world, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
     let until = if stops_at_start { Until::Step } else { Until::End };
@@ -121,7 +122,7 @@ fn with_journal(
     stops_at_start: bool,
     console: &mut Console,
 ) -> Result<Status> {
-    let shown = path.display();
+    let shown = path.shown();
     if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
         bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
     }
@@ -163,7 +164,7 @@ fn go_on_with(
     let world = kept.head.run.world.as_ref().map(|world| &world.name);
     let is_other = |asked: &Option<String>, known: Option<&String>| asked.is_some() && asked.as_ref() != known;
     if is_other(&arguments.file, then) || is_other(&arguments.site.world, world) {
-        let shown = path.display();
+        let shown = path.shown();
         bail!("`{shown}` is the journal of another session; `rpl journal {shown}` tells which, or name another folder");
     }
     let (journal, past) = SessionJournal::go_on(path)?;
@@ -224,7 +225,7 @@ fn open_journal(
     interventions.sort_by_key(|come| come.instant().unwrap_or(u32::MAX));
     let reached_us = past.as_ref().and_then(|past| past.reached_us).unwrap_or(journal::reached_us(path, &kept)?);
     let turns = RecordedTurns::of_journal(past.map_or(Vec::new(), |past| past.turns))
-        .with_context(|| format!("what came from outside in the journal `{}` cannot be read", path.display()))?;
+        .with_context(|| format!("what came from outside in the journal `{}` cannot be read", path.shown()))?;
     let until = match arguments.at {
         Some(time_us) => Until::Time(time_us),
         None if stops_at_start => Until::Step,

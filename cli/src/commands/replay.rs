@@ -6,6 +6,7 @@ use crate::commands::run::{self, Output};
 use crate::files::inputs;
 use crate::files::module_files::ModuleVoices;
 use crate::files::plans;
+use crate::files::shown::Shown;
 use crate::hosts;
 use crate::journal::PastSession;
 use crate::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
@@ -41,7 +42,7 @@ pub struct Arguments {
 /// # Errors
 /// The recording cannot be read, or what it belongs to is not there any more.
 pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Console) -> Result<Status> {
-    let shown = arguments.file.display();
+    let shown = arguments.file.shown();
     let text =
         inputs::read_text(&arguments.file).map_err(|why| anyhow!("cannot read the recording `{shown}`: {why}"))?;
     let recording: Recording<RecordedRun> =

@@ -2,10 +2,12 @@
 
 use crate::arguments::duration::parse_duration_us;
 use crate::arguments::journal::SyncArgument;
+use crate::arguments::token::TokenArgument;
 use crate::commands::run::{self, parse_factor};
 use crate::drive::Pace;
 use crate::files::module_files::{GoingBack, ModuleVoices, Modules};
 use crate::files::outputs::OutputFile;
+use crate::files::shown::Shown;
 use crate::hosts::{self, HostLines, HostSource, Use};
 use crate::journal::{
     self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
@@ -38,6 +40,8 @@ pub struct Arguments {
     /// Where the host is that moves the robot now; without, where it was
     #[arg(long, value_name = "ADDRESS", value_hint = ValueHint::Hostname)]
     pub host: Option<String>,
+    #[command(flatten)]
+    pub token: TokenArgument,
     /// Takes new definitions from the texts of the plan that have changed: calls that are made from then on are of
     /// them
     #[arg(long)]
@@ -68,7 +72,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let path = &arguments.journal;
     let kept = KeptRun::read(path)?;
     let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
-        let shown = path.display();
+        let shown = path.shown();
         bail!("`{shown}` is the journal of a session at the prompt: `rpl repl --journal {shown}` goes on with it");
     };
     journal::ask_about_foreign(path, &kept, arguments.foreign, console)?;
@@ -84,7 +88,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         trace: trace(&kept, before.trace, arguments, console)?,
     };
     let changes = changes(&kept, arguments, console)?;
-    let source = reach(&kept, arguments.host.as_deref())?;
+    let source = reach(&kept, &plan.name, arguments)?;
     let (site, world, modules) = kept.site(ModuleVoices::Processes(GoingBack::Never))?;
     let wants_events = going_on.trace.is_some() || kept.place.is_some();
     let Some(loaded) = run::load(&site.library, kept.text(plan), &kept.head.run.set, console)? else {
@@ -105,7 +109,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let outside = hear_again(&kept, path, from, &modules, host_lines.as_ref())?;
     let outlives_power = kept.head.sync != SyncArgument::Never;
     journal::go_on(&folder, &going_on, outlives_power)
-        .with_context(|| format!("cannot write the journal `{}`", path.display()))?;
+        .with_context(|| format!("cannot write the journal `{}`", path.shown()))?;
     let is_at_start = reached.is_none();
     let (system, state) = match reached {
         Some((system, state)) => (system, Some(state)),
@@ -142,16 +146,20 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 ///
 /// # Errors
 /// The host cannot be reached, or there was none.
-fn reach(kept: &KeptRun, address: Option<&str>) -> Result<HostSource> {
+fn reach(kept: &KeptRun, plan: &str, arguments: &Arguments) -> Result<HostSource> {
     let (Some(then), Some(place)) = (&kept.head.run.host, &kept.place) else {
-        return match address {
-            Some(_) => {
+        return match (&arguments.host, &arguments.token.token_file) {
+            (None, Some(_)) => {
+                bail!("the robot of this run is simulated, and has no token; leave `--token-file` away")
+            }
+            (Some(_), _) => {
                 bail!("the robot of this run is simulated, and the simulation is in the journal; leave `--host` away")
             }
-            None => Ok(HostSource::Simulated),
+            (None, None) => Ok(HostSource::Simulated),
         };
     };
-    let source = hosts::reach(address.unwrap_or(&then.address), place.settings.robot.name.to_string())?;
+    let address = arguments.host.as_ref().unwrap_or(&then.address);
+    let source = hosts::reach(address, place.settings.robot.name.to_string(), plan, arguments.token.read()?)?;
     Ok(source.starting_as(then))
 }
 
@@ -170,7 +178,7 @@ fn hear_again(
     if !kept.head.has_outside() {
         return Ok(None);
     }
-    let shown = path.display();
+    let shown = path.shown();
     let past = PastInputs::read(path, from).with_context(|| format!("the journal `{shown}` cannot be gone on with"))?;
     let outside = Outside::go_on(path, &past, from)?;
     let unread = || format!("what came from outside in the journal `{shown}` cannot be read");
@@ -204,18 +212,18 @@ fn trace(
     let named =
         arguments.trace.as_deref().map(std::path::absolute).transpose().context("the working folder is gone")?;
     let Some(now) = named.filter(|now| *now != before) else {
-        let shown = arguments.journal.display();
+        let shown = arguments.journal.shown();
         so_far.map_err(|why| anyhow!("{why:#}; move it, or go on elsewhere: `rpl resume {shown} --trace FILE`"))?;
         return Ok(Some(before));
     };
     let folder_of_trace = now.parent().and_then(|folder| folder.canonicalize().ok());
     if folder_of_trace.is_some() && folder_of_trace == arguments.journal.canonicalize().ok() {
-        bail!("the trace cannot go into the folder of the journal, where `{}` lies; name another file", now.display());
+        bail!("the trace cannot go into the folder of the journal, where `{}` lies; name another file", now.shown());
     }
     let mut out = OutputFile::open(&now, "the trace")?.begin()?;
     match so_far {
         Ok(Some(mut so_far)) => {
-            io::copy(&mut so_far, &mut out).with_context(|| format!("cannot write the trace `{}`", now.display()))?;
+            io::copy(&mut so_far, &mut out).with_context(|| format!("cannot write the trace `{}`", now.shown()))?;
         }
         // What is missing is computed again.
         Ok(None) => {}
@@ -229,7 +237,7 @@ fn trace(
 /// # Errors
 /// It cannot be read, or begins otherwise.
 fn trace_so_far(path: &Path, header: &str) -> Result<Option<File>> {
-    let shown = path.display();
+    let shown = path.shown();
     let mut file = match own_file::open_named(path, File::options().read(true)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         opened => opened.with_context(|| format!("cannot read the trace `{shown}`"))?,
@@ -266,8 +274,8 @@ fn changes(kept: &KeptRun, arguments: &Arguments, console: &mut Console) -> Resu
         return Ok(changes);
     }
     if !arguments.changed {
-        let names: Vec<String> = changed.iter().map(|path| format!("`{}`", path.display())).collect();
-        let shown = arguments.journal.display();
+        let names: Vec<String> = changed.iter().map(|path| format!("`{}`", path.shown())).collect();
+        let shown = arguments.journal.shown();
         bail!(
             "{} changed since the run began, which goes on with what it has in its journal; put back what was there \
              (`rpl journal {shown} --text NAME` shows it), or let the run take the new definitions with `--changed`",

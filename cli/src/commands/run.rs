@@ -11,6 +11,7 @@ use crate::files::outputs::OutputFile;
 use crate::files::plans;
 use crate::files::plans::PlanText;
 use crate::files::project_file::ProjectFile;
+use crate::files::shown::Shown;
 use crate::hosts::{HostArguments, HostSource, Use};
 use crate::journal::{KeptRun, KeptText, RunJournal, Writing};
 use crate::mcap::McapRecording;
@@ -150,7 +151,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         );
     }
     let arguments = in_project(arguments, console)?;
-    let source = arguments.host.reach(&arguments.site)?;
+    let source = arguments.host.reach(&arguments.site, arguments.file.as_deref().unwrap_or_default())?;
     run_on(&arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
 
@@ -275,7 +276,7 @@ fn begin_journal(
     if let Some(trace) = &output.trace
         && trace.metadata().is_ok_and(|known| !known.is_file())
     {
-        bail!("the trace of a run with a journal is a file, and `{}` is none", trace.display());
+        bail!("the trace of a run with a journal is a file, and `{}` is none", trace.shown());
     }
     let trace = output.trace.as_deref();
     let writing = Writing {
@@ -321,6 +322,6 @@ fn create_trace(output: &Output, recorded: &RecordedRun) -> Result<Option<TraceF
     let Some(path) = &output.trace else { return Ok(None) };
     let file = OutputFile::open(path, "the trace")?.begin()?;
     let trace = TraceFile::begin(file, &recorded.trace_header())
-        .with_context(|| format!("cannot write the trace `{}`", path.display()))?;
+        .with_context(|| format!("cannot write the trace `{}`", path.shown()))?;
     Ok(Some(trace))
 }

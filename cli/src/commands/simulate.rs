@@ -2,6 +2,7 @@
 
 use crate::arguments::completion;
 use crate::arguments::duration::parse_duration_us;
+use crate::arguments::token::TokenArgument;
 use crate::commands::run::parse_factor;
 use crate::files::{plans, robot_files, world_files};
 use crate::interrupt;
@@ -13,8 +14,10 @@ use anyhow::{Context, Result};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_link::tcp_server::{Service, serve};
 use rpl_mission::site::Setup;
+use rpl_protocol::host::SILENCE_US;
 use rpl_robot::office::OfficeSettings;
 use std::net::TcpListener;
+use std::time::Duration;
 
 /// Serves the simulated robot to a mission in another process (`rpl run --host`), in real time
 ///
@@ -43,12 +46,28 @@ pub struct Arguments {
     /// Ends at this time of the world, such as 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
+    /// A mission that gives no commands for so long has lost the robot, such as one that stands at a prompt
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = parse_patience_us)]
+    pub patience: u64,
+    #[command(flatten)]
+    pub token: TokenArgument,
     /// Ends when the first mission has gone
     #[arg(long)]
     pub once: bool,
     /// Writes one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
+}
+
+/// How long a mission may be silent.
+///
+/// # Errors
+/// It is no time, or shorter than the silence for which the motors are cut.
+fn parse_patience_us(text: &str) -> Result<u64, String> {
+    match parse_duration_us(text)? {
+        short if short < SILENCE_US => Err("it is 300ms at least: only then are the motors cut".to_string()),
+        patience => Ok(patience),
+    }
 }
 
 /// Serves the world until it is told to stop.
@@ -71,6 +90,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         until_us: arguments.until,
         once: arguments.once,
         start_known: true,
+        patience: Duration::from_micros(arguments.patience),
+        token: arguments.token.read()?,
     };
     let cannot_listen = || format!("cannot listen at `{}`", arguments.listen);
     let listener = TcpListener::bind(&arguments.listen).with_context(cannot_listen)?;

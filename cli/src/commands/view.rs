@@ -5,6 +5,7 @@ use crate::commands::run::{self, Output};
 use crate::drive::Pace;
 use crate::files::module_files::ModuleVoices;
 use crate::files::outputs::OutputFile;
+use crate::files::shown::Shown;
 use crate::files::{inputs, plans, robot_files, world_files};
 use crate::hosts::{self, Use};
 use crate::journal::{self, JournalEnd, KeptRun, checkpoint_times};
@@ -91,7 +92,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     let mut runs = vec![first];
     if let Some(other) = &arguments.other {
         let Some((_, other)) = past(other, arguments.truth, console)? else {
-            bail!("`{}` is neither a trace nor a report", other.display());
+            bail!("`{}` is neither a trace nor a report", other.shown());
         };
         runs.push(other);
     }
@@ -109,7 +110,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
 
 /// A run that is over, with its title, from a trace or a report; none if the file is neither.
 fn past(file: &Path, truth: bool, console: &mut Console) -> Result<Option<(String, Series)>> {
-    let shown = file.display();
+    let shown = file.shown();
     let mut start = Vec::new();
     let opened = inputs::open(file).map_err(|why| anyhow!("cannot read `{shown}`: {why}"))?;
     opened.take(BEGINNING_BYTES).read_to_end(&mut start).with_context(|| format!("cannot read `{shown}`"))?;
@@ -167,7 +168,7 @@ fn of_trace(reader: &mut TraceReader, header: &Header, truth: bool, console: &mu
 fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let path = &arguments.file;
-    let shown = path.display();
+    let shown = path.shown();
     let kept = KeptRun::read(path)?;
     let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
         bail!("`{shown}` is the journal of a session at the prompt: `rpl repl {shown}` goes through it");

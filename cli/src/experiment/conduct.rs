@@ -11,6 +11,7 @@ use super::part::writer::PartWriter;
 use super::request::ExperimentRequest;
 use super::seeds::{Seeds, run_in_order};
 use crate::files::outputs::OutputFolder;
+use crate::files::shown::Shown;
 use crate::interrupt;
 use crate::status::Status;
 use crate::terminal::console::Console;
@@ -91,7 +92,7 @@ fn conduct_any(
             let count = part.end(inputs)?;
             let path = how.out.unwrap_or_default();
             let runs = if count == 1 { "run" } else { "runs" };
-            let told = Block::Lines(format!("{count} {runs} written to {}", path.display()));
+            let told = Block::Lines(format!("{count} {runs} written to {}", path.shown()));
             Findings { status: Status::Succeeded, blocks: vec![told], figures: Value::Null, drawings: Vec::new() }
         }
     };

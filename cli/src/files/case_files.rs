@@ -3,6 +3,7 @@
 //! A file is never changed in place: what is written stands beside it until all of it is there.
 
 use super::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_robot::description::RobotDescription;
 use rpl_robot::file_text::FileFaults;
@@ -34,7 +35,7 @@ impl<'w> CaseGround<'w> {
     /// # Errors
     /// All its faults.
     pub fn memory(&self, text: &str, path: &Path) -> Result<CaseMemory> {
-        let name = path.display().to_string();
+        let name = path.to_string_lossy().into_owned();
         let similarity = no_cases(self.world, &self.robot.range_sensors()).similarity().clone();
         read_memory(text, &name, self.places.as_ref(), similarity).map_err(|faults| faulty(path, &faults))
     }
@@ -50,7 +51,7 @@ impl<'w> CaseGround<'w> {
 
 /// That a case file has faults, and which.
 pub fn faulty(path: &Path, faults: &FileFaults) -> anyhow::Error {
-    anyhow!("the case file `{}` has faults\n{faults}", path.display())
+    anyhow!("the case file `{}` has faults\n{faults}", path.shown())
 }
 
 /// The text of a case file.
@@ -58,7 +59,7 @@ pub fn faulty(path: &Path, faults: &FileFaults) -> anyhow::Error {
 /// # Errors
 /// It cannot be read.
 pub fn read(path: &Path) -> Result<String> {
-    inputs::read_text(path).map_err(|reason| anyhow!("cannot read the cases `{}`: {reason}", path.display()))
+    inputs::read_text(path).map_err(|reason| anyhow!("cannot read the cases `{}`: {reason}", path.shown()))
 }
 
 /// A case file that a run reads at its start and writes at its end. What it held stays until then, and for good
@@ -78,7 +79,7 @@ impl KeptCases {
     /// # Errors
     /// It cannot be read or written, or has faults.
     pub fn open(path: &Path, world: &World, robot: &RobotDescription) -> Result<(Self, Option<CaseMemory>)> {
-        let shown = path.display();
+        let shown = path.shown();
         // Who names a link means the file behind it.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         let before = match fs::metadata(&path) {
@@ -100,17 +101,17 @@ impl KeptCases {
     /// lies beside it.
     pub fn write(mut self, memory: &CaseMemory) -> Result<()> {
         let text = memory_text(memory, &self.world, self.places.as_ref());
-        self.beside.write(&text).with_context(|| format!("cannot write the cases `{}`", self.path.display()))?;
+        self.beside.write(&text).with_context(|| format!("cannot write the cases `{}`", self.path.shown()))?;
         if fs::read_to_string(&self.path).ok() != self.before {
             let learned = self.beside.keep();
             bail!(
                 "the cases `{}` were changed by somebody else while the run went on, and are left as they are; what \
                  this run has learned is in `{}`",
-                self.path.display(),
-                learned.display()
+                self.path.shown(),
+                learned.shown()
             );
         }
-        self.beside.replace(&self.path).with_context(|| format!("cannot write the cases `{}`", self.path.display()))
+        self.beside.replace(&self.path).with_context(|| format!("cannot write the cases `{}`", self.path.shown()))
     }
 }
 
@@ -130,13 +131,13 @@ impl Beside {
                 io::ErrorKind::NotFound => "there is no such folder".to_string(),
                 _ => inputs::reason(&error),
             };
-            anyhow!("cannot write the cases `{}`: {reason}", path.display())
+            anyhow!("cannot write the cases `{}`: {reason}", path.shown())
         })?;
         if let Ok(known) = fs::metadata(path) {
-            let cannot = || format!("cannot write the cases `{}`", path.display());
+            let cannot = || format!("cannot write the cases `{}`", path.shown());
             if known.permissions().readonly() {
                 fs::remove_file(&beside).with_context(cannot)?;
-                bail!("cannot write the cases `{}`: nobody may write it", path.display());
+                bail!("cannot write the cases `{}`: nobody may write it", path.shown());
             }
             file.set_permissions(known.permissions()).with_context(cannot)?;
         }

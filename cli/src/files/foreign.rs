@@ -1,6 +1,7 @@
 //! Files that somebody else may have written. One that can start programs, and that nobody named, is used only where
 //! that is ruled out, as git and ssh do it.
 
+use crate::files::shown::Shown;
 use std::io;
 use std::path::Path;
 
@@ -24,12 +25,12 @@ pub fn why_foreign(path: &Path) -> io::Result<Option<String>> {
     let may_write = |uid: u32| uid == me || uid == 0 || Some(uid) == behind_sudo;
     let (link, there) = (path.symlink_metadata()?, path.canonicalize()?);
     if !may_write(link.uid()) {
-        return Ok(Some(format!("`{}` belongs to {}", path.display(), accounts.name_of(link.uid()))));
+        return Ok(Some(format!("`{}` belongs to {}", path.shown(), accounts.name_of(link.uid()))));
     }
     let mut places = vec![there.clone(), folder_of(path), folder_of(&there)];
     places.dedup();
     for place in places {
-        let (known, shown) = (place.metadata()?, place.display());
+        let (known, shown) = (place.metadata()?, place.shown());
         let what = if known.is_dir() { "folder" } else { "file" };
         if !may_write(known.uid()) {
             return Ok(Some(format!("the {what} `{shown}` belongs to {}", accounts.name_of(known.uid()))));

@@ -1,6 +1,7 @@
 //! Recorded maps, as the ROS map_server keeps them.
 
 use super::inputs::{MAX_BYTES, read_bytes, short_text};
+use crate::files::shown::Shown;
 use anyhow::{Result, anyhow};
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::world::{GreyImage, Greys, RosMap};
@@ -24,12 +25,11 @@ pub const MAP_FILE: &str = "map.yaml";
 /// A file that is missing or has faults.
 pub fn ros_map(name: &Path) -> Result<MapFile> {
     let path = if name.is_dir() { name.join(MAP_FILE) } else { name.to_path_buf() };
-    let shown = path.display();
+    let shown = path.shown();
     let text = short_text(&path).map_err(|reason| anyhow!("cannot read the map `{shown}`: {reason}"))?;
-    let map =
-        RosMap::parse(&text, &shown.to_string()).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
+    let map = RosMap::parse(&text, &shown).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
     let image_path = path.parent().unwrap_or(Path::new(".")).join(&map.image);
-    let image_name = image_path.display();
+    let image_name = image_path.shown();
     let bytes = read_bytes(&image_path, MAX_BYTES)
         .map_err(|reason| anyhow!("cannot read `{image_name}`, the image of the map `{shown}`: {reason}"))?;
     let image = GreyImage::decode(&bytes).map_err(|error| anyhow!("cannot use `{image_name}`: {error}"))?;

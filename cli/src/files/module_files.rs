@@ -1,8 +1,10 @@
 //! Modules in other processes, as the command line names them: by the files of their manifests.
 
 use super::inputs;
+use crate::files::shown::Shown;
 use crate::terminal::console::Console;
 use anyhow::{Result, anyhow, bail};
+use rpl_lang::visible::visible;
 use rpl_link::process_opener::{Opener, line_name};
 use rpl_link::recording::{RecordedTurns, Recorder};
 use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
@@ -75,7 +77,11 @@ pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(M
         let (ManifestFile { name, path }, (manifest, plans)) = (file, read(file)?);
         if let Some(before) = sources.iter().find(|before| before.manifest.name == manifest.name) {
             let (called, first) = (&manifest.name, &before.manifest.file);
-            bail!("two modules are called `{called}`: `{first}` and `{name}`; leave one away, or rename it");
+            bail!(
+                "two modules are called `{called}`: `{}` and `{}`; leave one away, or rename it",
+                visible(first),
+                visible(name)
+            );
         }
         let open = modules.open(manifest.clone(), folder_of(path), voices)?;
         sources.push(ModuleSource { manifest, plans, open });
@@ -102,8 +108,10 @@ pub fn within(name: &str, speaker: Arc<Speaker>) -> Result<ModuleSource> {
 
 /// A manifest, and the plans that belong to it.
 fn read(ManifestFile { name, path }: &ManifestFile) -> Result<(Arc<Manifest>, Option<PlanText>)> {
-    let text = inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{name}`: {reason}"))?;
-    let manifest = Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{name}` has faults\n{error}"))?;
+    let text =
+        inputs::short_text(path).map_err(|reason| anyhow!("cannot read the module `{}`: {reason}", visible(name)))?;
+    let manifest =
+        Manifest::parse(&text, name).map_err(|error| anyhow!("the module `{}` has faults\n{error}", visible(name)))?;
     let plans = manifest.plans.as_ref().map(|plans| plan_text(folder_of(path), plans, name)).transpose()?;
     Ok((Arc::new(manifest), plans))
 }
@@ -116,7 +124,7 @@ fn folder_of(path: &Path) -> &Path {
 fn plan_text(folder: &Path, plans: &str, manifest: &str) -> Result<PlanText> {
     let path = folder.join(plans);
     // The name is a part of the program, wherever the run goes on.
-    let shown = folder_of(Path::new(manifest)).join(plans).display().to_string();
+    let shown = folder_of(Path::new(manifest)).join(plans).to_string_lossy().into_owned();
     let text = inputs::read_text(&path)
         .map_err(|reason| anyhow!("cannot read `{shown}`, the plans of the module `{manifest}`: {reason}"))?;
     Ok(PlanText { name: shown.into(), text: text.into() })
@@ -147,7 +155,7 @@ impl Modules {
     pub fn tell(&self, console: &mut Console) {
         for module in &self.openers {
             let Manifest { name, command, .. } = &*module.manifest;
-            let (command, folder) = (shortened(&command.join(" ")), module.folder.display());
+            let (command, folder) = (shortened(&command.join(" ")), module.folder.shown());
             console.note(&format!("the module `{name}` is started: `{command}`, in `{folder}`"));
         }
     }

@@ -4,6 +4,7 @@
 
 use crate::drawing::raster;
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -31,12 +32,12 @@ impl OutputFile {
     /// # Errors
     /// It cannot be written, or the command has read it, or it is to be written twice.
     pub fn open(path: &Path, what: &'static str) -> Result<Self> {
-        let shown = path.display();
+        let shown = path.shown();
         let is_new = !path.exists();
         let opened = File::options().write(true).create(true).truncate(false).open(path);
         let file = opened.map_err(|error| match path.parent() {
             Some(folder) if error.kind() == io::ErrorKind::NotFound && !folder.as_os_str().is_empty() => {
-                anyhow::anyhow!("cannot write {what} `{shown}`: there is no folder `{}`", folder.display())
+                anyhow::anyhow!("cannot write {what} `{shown}`: there is no folder `{}`", folder.shown())
             }
             _ => anyhow::anyhow!("cannot write {what} `{shown}`: {}", inputs::reason(&error)),
         })?;
@@ -47,7 +48,7 @@ impl OutputFile {
             && let Ok(mut opened) = OPENED.lock()
         {
             if let Some((_, other)) = opened.iter().find(|(known, _)| *known == identity) {
-                bail!("{what} cannot go into `{shown}`: `{}` is written already; name another file", other.display());
+                bail!("{what} cannot go into `{shown}`: `{}` is written already; name another file", other.shown());
             }
             opened.push((identity, path.to_path_buf()));
         }
@@ -59,7 +60,7 @@ impl OutputFile {
     /// # Errors
     /// It cannot be emptied.
     pub fn begin(self) -> Result<File> {
-        let cannot = format!("cannot write {} `{}`", self.what, self.path.display());
+        let cannot = format!("cannot write {} `{}`", self.what, self.path.shown());
         let file = self.into_file()?;
         // A pipe or a device has no length.
         if file.metadata().is_ok_and(|known| known.is_file()) {
@@ -73,7 +74,7 @@ impl OutputFile {
     /// # Errors
     /// It was handed out already.
     pub fn into_file(mut self) -> Result<File> {
-        self.file.take().with_context(|| format!("cannot write {} `{}`", self.what, self.path.display()))
+        self.file.take().with_context(|| format!("cannot write {} `{}`", self.what, self.path.shown()))
     }
 
     /// Writes all at once.
@@ -81,7 +82,7 @@ impl OutputFile {
     /// # Errors
     /// It cannot be written.
     pub fn write(self, bytes: &[u8]) -> Result<()> {
-        let cannot = format!("cannot write {} `{}`", self.what, self.path.display());
+        let cannot = format!("cannot write {} `{}`", self.what, self.path.shown());
         self.begin()?.write_all(bytes).context(cannot)
     }
 }
@@ -98,12 +99,12 @@ impl Drop for OutputFile {
 fn refuse_input(path: &Path, what: &str) -> Result<()> {
     match inputs::input_at(path) {
         Some(input) if input == path => {
-            bail!("{what} cannot go into `{}`, which this command reads; name another file", path.display())
+            bail!("{what} cannot go into `{}`, which this command reads; name another file", path.shown())
         }
         Some(input) => bail!(
             "{what} cannot go into `{}`: it is the file `{}`, which this command reads; name another file",
-            path.display(),
-            input.display()
+            path.shown(),
+            input.shown()
         ),
         None => Ok(()),
     }
@@ -125,7 +126,7 @@ impl OutputFolder {
     /// # Errors
     /// It cannot be made or written.
     pub fn open(path: &Path, command: &str) -> Result<Self> {
-        let shown = path.display();
+        let shown = path.shown();
         fs::create_dir_all(path)
             .map_err(|error| anyhow::anyhow!("cannot make the folder `{shown}`: {}", inputs::reason(&error)))?;
         let trial = path.join(format!(".rpl-{}.trial", std::process::id()));
@@ -154,7 +155,7 @@ impl OutputFolder {
         if path.exists() && !bears(path, &self.mark) {
             bail!(
                 "`{}` was not drawn by this command and is not overwritten; move it, or name another folder",
-                path.display()
+                path.shown()
             );
         }
         Ok(())
@@ -167,14 +168,14 @@ impl OutputFolder {
     /// It cannot be written, or something else has its name.
     pub fn draw(&mut self, name: &str, drawing: &str) -> Result<()> {
         for old in std::mem::take(&mut self.old) {
-            fs::remove_file(&old).with_context(|| format!("cannot remove the old drawing `{}`", old.display()))?;
+            fs::remove_file(&old).with_context(|| format!("cannot remove the old drawing `{}`", old.shown()))?;
         }
         let path = self.path.join(name);
         let image = path.with_extension("png");
         [&path, &image].into_iter().try_for_each(|path| self.refuse_foreign(path))?;
         let text = format!("{}\n{}\n", drawing.trim_end(), self.mark);
         let pixels = raster::png(drawing, &self.mark).with_context(|| format!("`{name}` cannot become an image"))?;
-        let cannot = |path: &Path| format!("cannot write the drawing `{}`", path.display());
+        let cannot = |path: &Path| format!("cannot write the drawing `{}`", path.shown());
         fs::write(&path, text).with_context(|| cannot(&path))?;
         fs::write(&image, pixels).with_context(|| cannot(&image))
     }
@@ -186,7 +187,7 @@ impl OutputFolder {
     pub fn begin(&self, name: &str) -> Result<File> {
         let path = self.path.join(name);
         refuse_input(&path, "a result")?;
-        File::create(&path).with_context(|| format!("cannot write `{}`", path.display()))
+        File::create(&path).with_context(|| format!("cannot write `{}`", path.shown()))
     }
 
     /// Writes what is no figure.
@@ -195,7 +196,7 @@ impl OutputFolder {
     /// It cannot be written, or it is what the command has read.
     pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<()> {
         let mut file = self.begin(name)?;
-        file.write_all(text.as_ref()).with_context(|| format!("cannot write `{}`", self.path.join(name).display()))
+        file.write_all(text.as_ref()).with_context(|| format!("cannot write `{}`", self.path.join(name).shown()))
     }
 }
 

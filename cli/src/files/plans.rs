@@ -5,6 +5,7 @@ use super::inputs::{STANDARD_INPUT, read_text, reason, standard_input};
 use anyhow::{Result, anyhow, bail};
 use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
+use rpl_lang::visible::visible;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -74,16 +75,17 @@ pub fn plan(name: &str) -> Result<PlanText> {
     match path.metadata() {
         Ok(_) => {
             let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            let text = read_text(path).map_err(|reason| anyhow!("cannot read the plan `{name}`: {reason}"))?;
+            let text =
+                read_text(path).map_err(|reason| anyhow!("cannot read the plan `{}`: {reason}", visible(name)))?;
             Ok(PlanText { name: name.to_string(), text, folder: Folder::Disk(folder.to_path_buf()) })
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => match examples::find(name) {
             Some((name, text)) => {
                 Ok(PlanText { name: name.to_string(), text: text.to_string(), folder: Folder::BuiltIn })
             }
-            None => bail!("there is no plan `{name}`\n{}", advice(name)),
+            None => bail!("there is no plan `{}`\n{}", visible(name), advice(name)),
         },
-        Err(error) => bail!("cannot read the plan `{name}`: {}", reason(&error)),
+        Err(error) => bail!("cannot read the plan `{}`: {}", visible(name), reason(&error)),
     }
 }
 
@@ -109,7 +111,7 @@ fn advice(name: &str) -> String {
     let mut known: Vec<String> = beside
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "rpl"))
-        .map(|path| path.strip_prefix("./").unwrap_or(&path).display().to_string())
+        .map(|path| path.strip_prefix("./").unwrap_or(&path).to_string_lossy().into_owned())
         .collect();
     known.sort();
     known.extend(examples::names().map(str::to_string));
@@ -132,7 +134,7 @@ impl Loader for Folder {
             }
             Folder::BuiltIn => {
                 let wanted = normal(&beside.join(path)).ok_or(OUTSIDE)?;
-                let wanted = wanted.display().to_string().replace('\\', "/");
+                let wanted = wanted.to_string_lossy().replace('\\', "/");
                 let (name, text) = examples::find_exactly(&wanted).ok_or("no built-in example has that name")?;
                 (name.to_string(), text.to_string(), true)
             }
@@ -169,7 +171,7 @@ fn load_from_disk(root: &Path, beside: &Path, path: &str) -> Result<(String, Str
     if !found.starts_with(&root) {
         return Err(OUTSIDE.to_string());
     }
-    let name = normal(&wanted).unwrap_or(wanted).display().to_string();
+    let name = normal(&wanted).unwrap_or(wanted).to_string_lossy().into_owned();
     Ok((name, read_text(&found)?))
 }
 

@@ -2,6 +2,7 @@
 
 use super::foreign::why_foreign;
 use super::inputs;
+use crate::files::shown::Shown;
 use crate::terminal::console::Console;
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;
@@ -51,7 +52,7 @@ impl ProjectFile {
             [] => {
                 let file = Self::of_working_folder(command, what)?;
                 if !console.quiet {
-                    console.note(&format!("the project is `{}`", file.display()));
+                    console.note(&format!("the project is `{}`", file.shown()));
                 }
                 file
             }
@@ -73,7 +74,7 @@ impl ProjectFile {
             )
         })?;
         let file = file.strip_prefix(&here).map_or(file.clone(), Path::to_path_buf);
-        let shown = file.display();
+        let shown = file.shown();
         let why = match is_above_home(&file) {
             true => Some("it lies above the home folder".to_string()),
             false => why_foreign(&file).map_err(|error| anyhow!("cannot look at `{shown}`: {error}"))?,
@@ -95,7 +96,7 @@ impl ProjectFile {
         self.plan.clone().ok_or_else(|| {
             anyhow!(
                 "`{}` names no plan to run; add a line such as `plan = \"main.rpl\"`, or name the plan",
-                file.display()
+                file.shown()
             )
         })
     }
@@ -103,7 +104,7 @@ impl ProjectFile {
     /// The folder that a project file stands for.
     pub fn folder_of(file: &Path) -> String {
         match file.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder.display().to_string(),
+            Some(folder) if !folder.as_os_str().is_empty() => folder.to_string_lossy().into_owned(),
             _ => ".".to_string(),
         }
     }
@@ -113,15 +114,15 @@ impl ProjectFile {
     /// # Errors
     /// It cannot be read, or has faults.
     pub fn read(file: &Path) -> Result<Self> {
-        let name = file.display();
+        let name = file.shown();
         let text = inputs::read_text(file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
         let known: Self = toml::from_str(&text).map_err(|error| anyhow!("`{name}` has faults\n{error}"))?;
         let beside = |named: String| {
             let there = file.with_file_name(&named);
-            if there.exists() { there.display().to_string() } else { named }
+            if there.exists() { there.to_string_lossy().into_owned() } else { named }
         };
         Ok(Self {
-            plan: known.plan.map(|plan| file.with_file_name(plan).display().to_string()),
+            plan: known.plan.map(|plan| file.with_file_name(plan).to_string_lossy().into_owned()),
             world: known.world.map(beside),
             robot: known.robot.map(beside),
             seed: known.seed,

@@ -3,6 +3,7 @@
 use super::inputs;
 use anyhow::{Result, anyhow, bail};
 use rpl_lang::suggest::suggest;
+use rpl_lang::visible::visible;
 use rpl_robot::description::RobotDescription;
 use std::path::Path;
 use std::sync::Arc;
@@ -20,7 +21,7 @@ pub fn named(name: Option<&str>) -> Result<Arc<RobotDescription>> {
         bail!(unknown(name));
     }
     let robot = RobotDescription::parse(&text(name)?, name);
-    robot.map(Arc::new).map_err(|error| anyhow!("the robot `{name}` has faults\n{error}"))
+    robot.map(Arc::new).map_err(|error| anyhow!("the robot `{}` has faults\n{error}", visible(name)))
 }
 
 /// The text of a robot file, or of a built-in robot.
@@ -34,7 +35,7 @@ pub fn text(name: &str) -> Result<String> {
     if !is_file(name) {
         bail!(unknown(name));
     }
-    inputs::short_text(Path::new(name)).map_err(|reason| anyhow!("cannot read the robot `{name}`: {reason}"))
+    inputs::short_text(Path::new(name)).map_err(|reason| anyhow!("cannot read the robot `{}`: {reason}", visible(name)))
 }
 
 fn is_file(name: &str) -> bool {
@@ -43,7 +44,9 @@ fn is_file(name: &str) -> bool {
 }
 
 fn unknown(name: &str) -> String {
-    match suggest(name, RobotDescription::builtin_names()) {
+    let meant = suggest(name, RobotDescription::builtin_names());
+    let name = visible(name);
+    match meant {
         Some(meant) => format!("no robot is called `{name}`; did you mean `{meant}`?"),
         None => {
             let names: Vec<&str> = RobotDescription::builtin_names().collect();

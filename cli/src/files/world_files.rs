@@ -6,6 +6,7 @@ use super::maps::{MAP_FILE, MapFile, ros_map};
 use crate::terminal::console;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::suggest::suggest;
+use rpl_lang::visible::visible;
 use rpl_lola::arena::{ARENAS, Arena, ArenaSettings};
 use rpl_robot::description::RobotDescription;
 use rpl_robot::occupancy::OccupancyGrid;
@@ -52,8 +53,8 @@ pub fn named(name: &str, robot: &RobotDescription, seed: u64) -> Result<World> {
     let world = read(name, robot, seed)?;
     let Err(taken) = world.room_at_start(robot.radius_m) else { return Ok(world) };
     match file_name(name) {
-        Some(file) => bail!("the world `{name}` has faults\n{}", taken.in_file(&file, &text(name, seed)?)),
-        None => bail!("the world `{name}` has faults\n{taken}"),
+        Some(file) => bail!("the world `{}` has faults\n{}", visible(name), taken.in_file(&file, &text(name, seed)?)),
+        None => bail!("the world `{}` has faults\n{taken}", visible(name)),
     }
 }
 
@@ -65,7 +66,8 @@ fn read(name: &str, robot: &RobotDescription, seed: u64) -> Result<World> {
     if is_map(path) {
         let title = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
         let map = read_map(path)?;
-        return World::from_map(&title, map, robot.radius_m).with_context(|| format!("the map `{name}` is no world"));
+        return World::from_map(&title, map, robot.radius_m)
+            .with_context(|| format!("the map `{}` is no world", visible(name)));
     }
     let is_there = path.metadata().is_ok_and(|known| !known.is_dir());
     if path.extension().is_some_and(|extension| extension == "toml") || is_there {
@@ -73,14 +75,15 @@ fn read(name: &str, robot: &RobotDescription, seed: u64) -> Result<World> {
         let beside = path.parent().unwrap_or(Path::new("."));
         let load_map = |map: &str| read_map(&beside.join(map)).map_err(|error| format!("{error:#}"));
         return World::parse_with_map(&text, name, load_map)
-            .map_err(|error| anyhow!("the world `{name}` has faults\n{error}"));
+            .map_err(|error| anyhow!("the world `{}` has faults\n{error}", visible(name)));
     }
     match suggest(name, names().map(|(known, _)| known)) {
-        Some(meant) => bail!("no world is called `{name}`; did you mean `{meant}`?"),
+        Some(meant) => bail!("no world is called `{}`; did you mean `{meant}`?", visible(name)),
         None => {
             let names: Vec<&str> = names().map(|(known, _)| known).collect();
             bail!(
-                "no world is called `{name}`; there are {}, files that end in .toml, and ROS maps (a map.yaml or its folder)",
+                "no world is called `{}`; there are {}, files that end in .toml, and ROS maps (a map.yaml or its folder)",
+                visible(name),
                 names.join(", ")
             )
         }

@@ -4,6 +4,7 @@
 use super::head::KeptRun;
 use super::kept_file::KeptFile;
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_lang::compile::NoFiles;
 use rpl_lang::reader::read;
@@ -43,7 +44,7 @@ pub struct Change {
 /// # Errors
 /// They cannot be read.
 pub fn of_journal(journal: &Path) -> Result<Vec<Change>> {
-    let shown = journal.display();
+    let shown = journal.shown();
     let bytes = match own_file::read(&journal.join(CHANGES)) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -75,7 +76,7 @@ impl Change {
         let mut change = Self { files: Vec::new(), texts: Vec::new(), definitions: Vec::new(), instant: None };
         let mut without_effect = Vec::new();
         for &path in files {
-            let shown = path.display();
+            let shown = path.shown();
             let of_plan = kept.head.plan_texts().find(|(name, _)| path.ends_with(name.trim_start_matches("./")));
             let Some((name, first)) = of_plan else {
                 bail!("`{shown}` changed since the run began, and only the texts of its plan may; put it back");

@@ -4,6 +4,7 @@ use super::driver_state::DriverState;
 use super::end::JournalEnd;
 use super::head::KeptRun;
 use super::ledgers::Ledgers;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, ensure};
 use rpl_link::journal::checkpoint;
 use rpl_link::journal::own_file;
@@ -68,7 +69,7 @@ pub fn times(journal: &Path, run: u32) -> io::Result<Vec<(u64, u64)>> {
 pub fn reached_us(journal: &Path, kept: &KeptRun) -> Result<u64> {
     let end = JournalEnd::read(journal)?.map(|end| end.time_us);
     let checkpoints =
-        times(journal, kept.checksum).with_context(|| format!("cannot read the journal `{}`", journal.display()))?;
+        times(journal, kept.checksum).with_context(|| format!("cannot read the journal `{}`", journal.shown()))?;
     Ok(checkpoints.into_iter().map(|(time_us, _)| time_us).chain(end).max().unwrap_or(0))
 }
 
@@ -92,7 +93,7 @@ pub fn newest<S>(
     mut load: impl FnMut(&[u8]) -> Result<S>,
     told: &mut dyn FnMut(&str),
 ) -> Result<Resumption<S>> {
-    let numbers = numbers(journal).with_context(|| format!("cannot read the journal `{}`", journal.display()))?;
+    let numbers = numbers(journal).with_context(|| format!("cannot read the journal `{}`", journal.shown()))?;
     let number = numbers.first().map_or(0, |newest| newest + 1);
     for &at in &numbers {
         let mut opened = || {
@@ -110,6 +111,6 @@ pub fn newest<S>(
         }
     }
     let ledgers = Ledgers::go_on(journal, trace, None)
-        .with_context(|| format!("the journal `{}` cannot be gone on with", journal.display()))?;
+        .with_context(|| format!("the journal `{}` cannot be gone on with", journal.shown()))?;
     Ok(Resumption { reached: None, from: None, number, ledgers })
 }

@@ -1,5 +1,6 @@
 //! How a run of a journal ended: once that stands there, it is over.
 
+use crate::files::shown::Shown;
 use crate::run_record::RunEnd;
 use crate::status::Status;
 use anyhow::{Result, bail};
@@ -78,7 +79,7 @@ pub fn went_on(journal: &Path) -> Result<Option<GoingOn>> {
 /// # Errors
 /// It cannot be read, or was changed.
 fn read_frame<T: DeserializeOwned>(journal: &Path, name: &str) -> Result<Option<T>> {
-    let shown = journal.display();
+    let shown = journal.shown();
     let bytes = match own_file::read(&journal.join(name)) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),

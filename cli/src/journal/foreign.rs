@@ -2,6 +2,7 @@
 
 use super::head::{KeptRun, RUN};
 use crate::files::foreign::why_foreign;
+use crate::files::shown::Shown;
 use crate::terminal::console::Console;
 use anyhow::{Context, Result, bail};
 use std::io::{self, IsTerminal};
@@ -13,7 +14,7 @@ use std::path::Path;
 /// # Errors
 /// It is not to.
 pub fn ask(journal: &Path, kept: &KeptRun, is_wanted: bool, console: &mut Console) -> Result<()> {
-    let shown = journal.display();
+    let shown = journal.shown();
     let why = why_foreign(&journal.join(RUN)).with_context(|| format!("cannot look at the journal `{shown}`"))?;
     let Some(why) = why.filter(|_| !is_wanted) else { return Ok(()) };
     let told = format!("the journal `{shown}` may not be yours: {why}; {}", effects(kept));
@@ -31,9 +32,9 @@ pub fn ask(journal: &Path, kept: &KeptRun, is_wanted: bool, console: &mut Consol
 
 /// What going on with a run does beside computing, as a clause.
 fn effects(kept: &KeptRun) -> String {
-    let modules = kept.head.modules.iter().map(|path| format!("starts the module `{}`", path.display()));
+    let modules = kept.head.modules.iter().map(|path| format!("starts the module `{}`", path.shown()));
     let host = kept.head.run.host.iter().map(|host| format!("commands the robot at {}", host.address));
-    let trace = kept.head.trace.iter().map(|path| format!("writes the trace `{}`", path.display()));
+    let trace = kept.head.trace.iter().map(|path| format!("writes the trace `{}`", path.shown()));
     let effects: Vec<String> = modules.chain(host).chain(trace).collect();
     if effects.is_empty() {
         "its run writes its folder alone".to_string()

@@ -5,6 +5,7 @@ use crate::arguments::journal::SyncArgument;
 use crate::files::inputs;
 use crate::files::module_files::{self, ManifestFile, ModuleVoices, Modules};
 use crate::files::plans::{self, Folder, KeptLoad, PlanText};
+use crate::files::shown::Shown;
 use crate::recorded_run::{RecordedRun, RunKind};
 use crate::sites;
 use crate::version::BUILD;
@@ -190,7 +191,7 @@ impl KeptRun {
     /// # Errors
     /// There is none, it was damaged, or another build wrote it.
     pub fn read(journal: &Path) -> Result<Self> {
-        let shown = journal.display();
+        let shown = journal.shown();
         let path = journal.join(RUN);
         let bytes = own_file::read(&path).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => {

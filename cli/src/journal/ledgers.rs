@@ -2,6 +2,7 @@
 
 use super::driver_state::DriverState;
 use crate::files::outputs::OutputFile;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result};
 use rpl_link::journal::ledger::{Ledger, LedgerFault, LedgerMark};
 use rpl_link::journal::own_file;
@@ -39,7 +40,7 @@ impl Ledgers {
             let path = journal.join(name);
             let opened = own_file::open(&path, File::options().read(true).write(true).create(true).truncate(true));
             let begun = opened.map_err(LedgerFault::from).and_then(Ledger::begin);
-            begun.with_context(|| format!("cannot write `{}`", path.display()))
+            begun.with_context(|| format!("cannot write `{}`", path.shown()))
         };
         // What it held stays until nobody else writes it.
         let trace = trace.map(|file| Ledger::begin(file.into_file()?).context("the trace cannot be written"));
@@ -63,9 +64,9 @@ impl Ledgers {
             };
             opened.map_err(LedgerFault::from).and_then(|file| Ledger::go_on(file, mark)).map_err(|fault| match fault {
                 LedgerFault::Disk(error) if error.kind() == io::ErrorKind::NotFound => {
-                    anyhow::anyhow!("`{}` is not there any more", path.display())
+                    anyhow::anyhow!("`{}` is not there any more", path.shown())
                 }
-                fault => anyhow::Error::from(fault).context(format!("`{}`", path.display())),
+                fault => anyhow::Error::from(fault).context(format!("`{}`", path.shown())),
             })
         };
         Ok(Self {

@@ -1,6 +1,7 @@
 //! What comes to a run from a host or modules in other processes, as its journal has it: written as it comes, and
 //! heard again up to where the run died. From there on it is gone on with.
 
+use crate::files::shown::Shown;
 use anyhow::{Context, Result};
 use rpl_link::journal::inputs::{Inputs, PastInputs};
 use rpl_link::recording::Recorder;
@@ -16,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The journal does not have all of it any more.
 pub fn inputs_from_start(path: &Path) -> Result<PastInputs> {
     PastInputs::read(path, None).with_context(|| {
-        let shown = path.display();
+        let shown = path.shown();
         format!(
             "the run of `{shown}` cannot be repeated from its start: a journal keeps what comes from other processes \
              for about an hour; `rpl resume {shown}` goes on with it"
@@ -48,7 +49,7 @@ impl Outside {
     /// They cannot be written.
     pub fn go_on(journal: &Path, past: &PastInputs, checkpoint: Option<u64>) -> Result<Self> {
         let inputs = Inputs::go_on(journal, past, checkpoint)
-            .with_context(|| format!("cannot go on with the journal `{}`", journal.display()))?;
+            .with_context(|| format!("cannot go on with the journal `{}`", journal.shown()))?;
         Ok(Self { inputs: Arc::new(Mutex::new(inputs)), past: Some(past.resumptions.iter().copied().collect()) })
     }
 

@@ -13,6 +13,7 @@ use super::ledgers::{LOG, Ledgers, OUTPUT};
 use super::outside::Outside;
 use crate::arguments::journal::SyncArgument;
 use crate::files::outputs::OutputFile;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
 use rpl_link::journal::checkpoint;
 use rpl_link::journal::folder::{FolderFault, JournalFolder, write_whole};
@@ -89,7 +90,7 @@ enum Part {
 /// # Errors
 /// Another process has it, or it cannot be written.
 pub fn take(path: &Path) -> Result<JournalFolder> {
-    let shown = path.display();
+    let shown = path.shown();
     JournalFolder::take(path).map_err(|fault| match fault {
         FolderFault::Taken(_) => anyhow::anyhow!("the journal `{shown}` is being written: {fault}"),
         FolderFault::Disk(error) => anyhow::anyhow!("cannot write the journal `{shown}`: {error}"),
@@ -105,7 +106,7 @@ fn refuse_foreign(path: &Path) -> Result<()> {
     };
     // What cannot be read cannot be locked, which says why.
     let foreign = fs::read_dir(path).is_ok_and(|mut entries| !entries.all(is_left));
-    let shown = path.display();
+    let shown = path.shown();
     if foreign {
         bail!("the folder `{shown}` has files that are none of a journal; name one that is empty or not there");
     }
@@ -117,7 +118,7 @@ fn refuse_foreign(path: &Path) -> Result<()> {
 /// # Errors
 /// It has something in it, or cannot be written.
 pub fn begin_folder(path: &Path) -> Result<JournalFolder> {
-    let shown = path.display();
+    let shown = path.shown();
     if path.join(RUN).exists() {
         bail!("`{shown}` has a journal already: `rpl resume {shown}` goes on with it; or name another folder");
     }
@@ -134,7 +135,7 @@ impl RunJournal {
     /// # Errors
     /// The folder has something in it, or cannot be written.
     pub fn begin(path: &Path, kept: &KeptRun, trace: Option<OutputFile>) -> Result<(Self, Option<Ledger>)> {
-        let shown = path.display();
+        let shown = path.shown();
         let folder = begin_folder(path)?;
         let ledgers = Ledgers::begin(path, trace)?;
         let outlives_power = kept.head.sync != SyncArgument::Never;
@@ -357,7 +358,7 @@ impl RunJournal {
                 // Nothing follows from it before it is written.
                 let bytes = changes::written(&self.changes)?;
                 let written = self.folder.write(CHANGES, &bytes, self.outlives_power());
-                written.with_context(|| format!("cannot write the journal `{}`", self.folder.path().display()))?;
+                written.with_context(|| format!("cannot write the journal `{}`", self.folder.path().shown()))?;
             }
         }
         Ok(())
@@ -401,7 +402,7 @@ impl RunJournal {
             return;
         };
         if trouble.times == 0 {
-            let folder = self.folder.path().display();
+            let folder = self.folder.path().shown();
             let then = if self.must { "the run is stopped" } else { "the run goes on, and it is tried again" };
             trouble.untold = Some(format!("the journal `{folder}` cannot be written: {error}; {then}"));
         }
@@ -421,7 +422,7 @@ impl RunJournal {
 
     /// What there is to say about it at the end; nothing if all was written.
     pub fn told_at_end(&self) -> Option<String> {
-        let folder = self.folder.path().display();
+        let folder = self.folder.path().shown();
         match self.trouble.now.values().min_by_key(|(_, since_us)| since_us) {
             Some((why, since_us)) => {
                 let since_s = *since_us as f64 / 1e6;

@@ -5,6 +5,7 @@ use super::head::{KeptRun, KeptText, RUN};
 use super::run_journal::{begin_folder, take};
 use crate::arguments::journal::SyncArgument;
 use crate::files::plans::{self, KeptLoad, PlanText};
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
 use rpl_link::journal::folder::JournalFolder;
 use rpl_link::journal::frames;
@@ -68,7 +69,7 @@ impl PastSession {
     /// # Errors
     /// It cannot be read, or has what no session has written.
     pub fn read(journal: &Path) -> Result<Self> {
-        let shown = journal.display();
+        let shown = journal.shown();
         let bytes =
             own_file::read(&journal.join(TYPED)).with_context(|| format!("cannot read the journal `{shown}`"))?;
         let found = frames::read(&bytes);
@@ -98,7 +99,7 @@ impl SessionJournal {
     /// # Errors
     /// The folder has something in it, or cannot be written.
     pub fn begin(path: &Path, kept: &KeptRun) -> Result<Self> {
-        let shown = path.display();
+        let shown = path.shown();
         let folder = begin_folder(path)?;
         let unwritten = || format!("cannot write the journal `{shown}`");
         let file = File::create_new(path.join(TYPED)).with_context(unwritten)?;
@@ -115,7 +116,7 @@ impl SessionJournal {
         let past = PastSession::read(path)?;
         let opened = own_file::open(&path.join(TYPED), File::options().append(true));
         let cut = opened.and_then(|file| file.set_len(past.length).map(|()| file));
-        let file = cut.with_context(|| format!("cannot write the journal `{}`", path.display()))?;
+        let file = cut.with_context(|| format!("cannot write the journal `{}`", path.shown()))?;
         let time_us = past.typed.last().map_or(0, |last| last.time_us);
         Ok((Self { _folder: folder, file, loads: 0, time_us, is_given_up: false }, past))
     }
@@ -181,7 +182,7 @@ pub fn is_there(path: &Path) -> bool {
 /// # Errors
 /// The journal is not that of a session.
 pub fn refuse_run(path: &Path, kept: &KeptRun) -> Result<()> {
-    let shown = path.display();
+    let shown = path.shown();
     if !kept.is_session() {
         bail!(
             "`{shown}` is the journal of a run: `rpl resume {shown}` goes on with it, `rpl repl {shown}` looks into it"

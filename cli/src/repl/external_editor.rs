@@ -1,6 +1,7 @@
 //! A text in the user's own editor.
 
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use crate::interrupt;
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -54,7 +55,7 @@ fn run_editor(file: &Path, has_terminal: bool) -> Result<(), String> {
 /// A file with the text that nobody else has.
 fn new_file(text: &str) -> Result<PathBuf, String> {
     let folder = std::env::temp_dir();
-    let failed = |error: std::io::Error| format!("no file can be written in `{}`: {error}", folder.display());
+    let failed = |error: std::io::Error| format!("no file can be written in `{}`: {error}", folder.shown());
     for number in 0.. {
         let path = folder.join(format!("rpl-{}-{number}.rpl", std::process::id()));
         match OpenOptions::new().write(true).create_new(true).open(&path) {

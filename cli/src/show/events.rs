@@ -1,5 +1,6 @@
 //! What a person wants to be told while a mission runs.
 
+use rpl_lang::visible::visible;
 use rpl_robot::office::{ACTIVE_LOCALIZATION, ReportKind};
 use rpl_runtime::state::output::{Channel, Output};
 use rpl_runtime::state::trace::{Event, EventKind};
@@ -79,8 +80,9 @@ fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
 
 /// What the robot or the scenario reports: "certainty 0.31 – position lost".
 pub fn report(event: &Event) -> String {
-    let what = detail(event, "what");
-    let details: Vec<String> = event.details.iter().skip(1).map(|(name, value)| format!("{name} {value}")).collect();
+    let what = visible(detail(event, "what"));
+    let told = |(name, value): &(String, String)| visible(&format!("{name} {value}")).into_owned();
+    let details: Vec<String> = event.details.iter().skip(1).map(told).collect();
     match details.as_slice() {
         [] => what.to_string(),
         [certainty] if certainty.starts_with("certainty ") => format!("{certainty} – {what}"),
@@ -104,7 +106,7 @@ fn signal(event: &Event) -> Option<String> {
         "success" => Some(format!("{name} is done")),
         // Told when it happened; the signal only reports it to the task.
         interrupted if interrupted.starts_with("interrupted:") => None,
-        failure => Some(format!("{name} gives up: {failure}")),
+        failure => Some(format!("{name} gives up: {}", visible(failure))),
     }
 }
 

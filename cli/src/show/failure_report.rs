@@ -77,6 +77,11 @@ pub struct Reporter<'a> {
     pub colour: bool,
 }
 
+/// A message whose further lines stand further in: none of them looks like one of ours.
+fn told(message: &str) -> String {
+    visible_lines(message).replace('\n', "\n    ")
+}
+
 impl<'a> Reporter<'a> {
     fn failure(&self, value: Value) -> Option<&'a Failure> {
         match value {
@@ -132,7 +137,7 @@ impl<'a> Reporter<'a> {
         let Some(failure) = self.failure(value) else { return };
         let class = visible(self.machine.symbols.name(failure.class));
         let margin = "  ".repeat(depth);
-        let mut lines = format!("{heading}{}: {}\n", self.emphasised(&class), visible_lines(&failure.message));
+        let mut lines = format!("{heading}{}: {}\n", self.emphasised(&class), told(&failure.message));
         if let Some(span) = failure.span {
             lines += &self.marked(span);
         }

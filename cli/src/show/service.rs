@@ -89,9 +89,10 @@ impl ServiceSummary {
 /// A line for a person.
 pub fn notice_line(notice: &Notice) -> String {
     match notice {
-        Notice::Came(address) => format!("a mission has come from {address}"),
+        Notice::Came(who) => format!("{who} has the robot"),
         Notice::Went(why) => format!("the mission is gone: {why}"),
         Notice::Refused(why) => format!("refused: {why}"),
+        Notice::RefusedMore(count) => format!("refused: {count} more"),
         Notice::Halted(Halt::Silence) => "motors off: no commands for 0.3 s".to_string(),
         Notice::Halted(Halt::Bumper) => "motors off: something presses against the bumper".to_string(),
         Notice::Halted(Halt::Unused | Halt::LineClosed) => "motors off".to_string(),

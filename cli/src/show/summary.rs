@@ -152,10 +152,18 @@ fn describe(account: Account, relocalizations: u64) -> String {
         (None, host) => plural(host.map_or(0, |host| host.bumps), "bump"),
     };
     let host = account.host.map_or(String::new(), |host| {
-        let HostRecord { percepts_late, percepts_missing, decisions_long, longest_decision_s, .. } = host;
+        let HostRecord { percepts_late, percepts_missing, times_astray, motions_astray, .. } = host;
+        let HostRecord { decisions_long, longest_decision_s, .. } = host;
         let longest = if decisions_long > 0 { format!(" (at most {longest_decision_s:.2} s)") } else { String::new() };
+        let astray = match times_astray + motions_astray {
+            0 => String::new(),
+            _ => format!(", {times_astray} with a time and {motions_astray} with a motion that cannot be"),
+        };
         let percepts = plural(percepts_late, "late percept");
-        format!(", {percepts}, {percepts_missing} missing, {}{longest}", plural(decisions_long, "long decision"))
+        format!(
+            ", {percepts}, {percepts_missing} missing{astray}, {}{longest}",
+            plural(decisions_long, "long decision")
+        )
     });
     let relocalizations = plural(relocalizations, "relocalization");
     format!(", {:.1} m driven, {touched}, {relocalizations}{host}", account.distance_m)

@@ -5,7 +5,7 @@ use crate::terminal::layout;
 use crate::terminal::page::Block;
 use crate::terminal::status_line::StatusLine;
 use ::console::Term;
-use rpl_lang::visible::visible_coloured;
+use rpl_lang::visible::{visible, visible_coloured};
 use std::io::{self, IsTerminal, Write};
 
 /// Where lines go.
@@ -81,7 +81,7 @@ impl Console {
     /// Draws the status line.
     pub fn status(&mut self, text: &str) {
         if let Some(status) = &mut self.status {
-            status.set(text);
+            status.set(&visible(text));
         }
     }
 
@@ -194,6 +194,7 @@ fn columns(terminal: &Term) -> Option<usize> {
 /// The pipe is closed, or the disk is full.
 pub fn answer(text: &str, is_error: bool) -> io::Result<()> {
     let terminal = if is_error { Term::stderr() } else { Term::stdout() };
+    let text = &*visible_coloured(text);
     let laid_out = columns(&terminal).map(|width| layout::within(text, width, layout::HANGING));
     let text = laid_out.as_deref().unwrap_or(text);
     // Both take the colours away where none are wanted.

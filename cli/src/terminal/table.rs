@@ -1,6 +1,7 @@
 //! Tables: as wide as what stands in them, and in several parts where a terminal is narrower.
 
 use ::console::measure_text_width;
+use rpl_lang::visible::visible_coloured;
 
 /// Columns between two columns of a table.
 const GAP: usize = 2;
@@ -25,7 +26,7 @@ impl Table {
 
     /// Adds a row.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        let cells: Vec<String> = cells.into_iter().collect();
+        let cells: Vec<String> = cells.into_iter().map(|cell| visible_coloured(&cell).into_owned()).collect();
         assert_eq!(cells.len(), self.head.len(), "a row has a cell for each column of its table");
         self.rows.push(cells);
     }

@@ -183,15 +183,16 @@ fn a_second_mission_goes_on_from_where_the_robot_stands() {
 }
 
 /// A host that greets, says so many things, and is gone.
-fn says(lines: &'static [&'static str]) -> String {
+pub fn says(lines: impl IntoIterator<Item: AsRef<str>, IntoIter: Send + 'static>) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("it has one").to_string();
+    let lines = lines.into_iter();
     thread::spawn(move || {
         let Ok((mut stream, _)) = listener.accept() else { return };
         let mut heard = BufReader::new(stream.try_clone().expect("a second handle"));
         heard.read_line(&mut String::new()).ok();
         for line in lines {
-            stream.write_all(format!("{line}\n").as_bytes()).ok();
+            stream.write_all(format!("{}\n", line.as_ref()).as_bytes()).ok();
         }
         // What it is told is read, so that the line is closed and not broken off.
         stream.shutdown(std::net::Shutdown::Write).ok();
@@ -200,7 +201,7 @@ fn says(lines: &'static [&'static str]) -> String {
     address
 }
 
-const HELLO: &str = r#"{"type":"hello","protocol":1,"robot":"b21","period_us":50000,"factor":1.0,"start_known":true}"#;
+const HELLO: &str = r#"{"type":"hello","protocol":2,"robot":"b21","period_us":50000,"factor":1.0,"start_known":true}"#;
 const PERCEPT: &str = r#"{"type":"percept","number":0,"time_us":50000,"odometry_in_odom":{"x_m":0,"y_m":0,"heading_rad":0},"translation_mps":0,"rotation_radps":0,"bumped":false,"gripper":"open","battery":1}"#;
 
 #[test]
@@ -244,7 +245,7 @@ fn who_does_not_fit_is_refused_before_anything_is_built() {
         Box::leak(Box::new([&*Box::leak(HELLO.replace(from, to).into_boxed_str())]))
     };
     for (lines, why) in [
-        (hello("\"protocol\":1", "\"protocol\":2"), "speaks version 2 of the messages, and this rpl 1"),
+        (hello("\"protocol\":2", "\"protocol\":1"), "speaks version 1 of the messages, and this rpl 2"),
         (hello("b21", "roomba"), "moves the robot `roomba`, and the mission is for `b21`"),
         (hello("50000", "0"), "greets with a period of 0 us"),
         (hello("50000", "40000"), "has a period of 40000 us, and the robot of the mission one of 50000 us"),
@@ -279,7 +280,7 @@ fn a_served_host_outlives_what_is_no_mission() {
     for (line, why) in [
         ("nonsense\n", "what is no message"),
         ("{\"type\":\"hello\",\"protocol\":9,\"rpl\":\"9\",\"robot\":\"b21\"}\n", "speaks version 9"),
-        ("{\"type\":\"hello\",\"protocol\":1,\"rpl\":\"0\",\"robot\":\"roomba\"}\n", "for the robot `roomba`"),
+        ("{\"type\":\"hello\",\"protocol\":2,\"rpl\":\"0\",\"robot\":\"roomba\"}\n", "for the robot `roomba`"),
         (
             "{\"type\":\"commands\",\"number\":0,\"translation_mps\":1,\"rotation_radps\":0,\"sonars_on\":true}\n",
             "commands before it greets",

@@ -2,6 +2,8 @@
 //! since linking takes longer than compiling; `cargo test -p rpl prompt` runs what has the word in its
 //! path.
 
+#![allow(clippy::disallowed_methods, reason = "names of files are given to the command here, and not told")]
+
 mod case_memory;
 mod cases;
 mod check;
@@ -15,6 +17,7 @@ mod figures;
 mod fmt;
 mod folder;
 mod foreign;
+mod forged_text;
 mod help;
 mod hosts;
 mod journal;

@@ -70,7 +70,7 @@ fn a_delivery_goes_on_without_a_lamp_that_crashes() {
     let Ended { out, errors, status } =
         run_in(&folder, &["run", "mail-with-lamp.rpl", "--world", "dept", "--module", "lamp.toml", "-q"]);
     let told =
-        "no lamp: the module `lamp` ended with exit status 7; the last it wrote to standard error:\nno current\n";
+        "no lamp: the module `lamp` ended with exit status 7; the last it wrote to standard error:\n  no current\n";
     assert_eq!((out.matches(told).count(), status), (2, 0), "{out}{errors}");
     assert!(out.contains("mail delivered"), "{out}{errors}");
 }

@@ -12,17 +12,17 @@ const SOON: &str = "answer_within = \"80ms\"\nstart_within = \"80ms\"";
 const REFUSED: &[(&str, &str)] = &[
     (
         "death-before-hello",
-        "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-before-hello",
+        "ended with exit status 3; the last it wrote to standard error:\n  faulty: death-before-hello",
     ),
     (
         "child-before-hello",
-        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\nfaulty: child-before-hello",
+        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\n  faulty: child-before-hello",
     ),
     (
         "background-before-hello",
         "ended with exit status 0, while a process that it had started still has its standard output",
     ),
-    ("no-hello", "did not answer `hello` within 80ms; the last it wrote to standard error:\nloading a large model"),
+    ("no-hello", "did not answer `hello` within 80ms; the last it wrote to standard error:\n  loading a large model"),
     ("not-hello-first", "did not say `hello` first"),
     ("text-before-hello", "said something that is no JSON: expected value at line 1 column 1: Loading weights..."),
     ("wrong-version", "speaks version 2 of the protocol, and rpl speaks version 1"),
@@ -32,18 +32,21 @@ const REFUSED: &[(&str, &str)] = &[
 
 /// What it does while `sweep` is at work, and the reason of the failure.
 const LOST: &[(&str, &str)] = &[
-    ("death-after-hello", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-after-hello"),
+    (
+        "death-after-hello",
+        "ended with exit status 3; the last it wrote to standard error:\n  faulty: death-after-hello",
+    ),
     ("hello-twice", "said `hello` again"),
     ("done-without-tick", "said `done` for the tick at 0 us, and was asked at 50000 us"),
     ("closes-output", "closed its standard output"),
     ("closes-input", "did not answer the tick at 50000 us within 80ms"),
-    ("death-at-start", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-at-start"),
-    ("death-at-tick", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-at-tick"),
-    ("death-while-idle", "ended with exit status 3; the last it wrote to standard error:\nfaulty: death-while-idle"),
+    ("death-at-start", "ended with exit status 3; the last it wrote to standard error:\n  faulty: death-at-start"),
+    ("death-at-tick", "ended with exit status 3; the last it wrote to standard error:\n  faulty: death-at-tick"),
+    ("death-while-idle", "ended with exit status 3; the last it wrote to standard error:\n  faulty: death-while-idle"),
     ("killed", "was ended by signal 9"),
     (
         "child-at-tick",
-        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\nfaulty: child-at-tick",
+        "ended with exit status 3, while a process that it had started still has its standard output; the last it wrote to standard error:\n  faulty: child-at-tick",
     ),
     ("child-and-killed", "was ended by signal 9, while a process that it had started still has its standard output"),
     (
@@ -52,7 +55,7 @@ const LOST: &[(&str, &str)] = &[
     ),
     (
         "half-a-line",
-        "ended with exit status 3 in the middle of a line: {\"type\":\"flue; the last it wrote to standard error:\nfaulty: half-a-line",
+        "ended with exit status 3 in the middle of a line: {\"type\":\"flue; the last it wrote to standard error:\n  faulty: half-a-line",
     ),
     ("half-a-line-and-alive", "did not answer the tick at 100000 us within 80ms"),
     ("long-line", "said a line of more than 1 MiB"),
@@ -108,7 +111,7 @@ const LOST: &[(&str, &str)] = &[
     ("floods", "said more than 1000 messages or 8 MiB in one turn"),
     (
         "floods-errors",
-        "did not answer the tick at 100000 us within 80ms; the last it wrote to standard error:\nwarning: something is wrong",
+        "did not answer the tick at 100000 us within 80ms; the last it wrote to standard error:\n  warning: something is wrong",
     ),
     ("hello-again", "said `hello` again"),
 ];

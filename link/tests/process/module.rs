@@ -11,6 +11,7 @@ use rpl_protocol::module::process_module::{News, ProcessModule};
 use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
 use rpl_robot::localization::Estimate;
+use rpl_robot::sensors::FailedSensors;
 use rpl_robot::simulator::{GripperMotion, GripperStatus, Percept};
 use rpl_runtime::robot::Ending;
 use rpl_runtime::robot::reading::Reading;
@@ -103,6 +104,7 @@ impl Played {
             sonar_m: None,
             laser_m: None,
             camera: None,
+            failed: FailedSensors::default(),
             bumped: false,
             gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
             battery: 1.0,

@@ -2,6 +2,7 @@
 
 use crate::host::PerceptMessage;
 use crate::value::Spoken;
+use rpl_lang::visible::clause;
 use rpl_robot::geometry::Pose;
 use rpl_robot::localization::Estimate;
 use rpl_runtime::robot::StopReason;
@@ -236,21 +237,11 @@ impl FromModule {
         serde_json::from_str(text).map_err(|error| match serde_json::from_str::<serde_json::Value>(text) {
             Ok(serde_json::Value::Object(_)) | Err(_) => {
                 let kind = if error.is_data() { "a wrong message" } else { "something that is no JSON" };
-                format!("said {kind}: {error}: {}", shortened(text))
+                format!("said {kind}: {}: {}", clause(&error.to_string()), clause(text))
             }
             Ok(_) => {
-                format!("said something that is no message, which is an object with a `type`: {}", shortened(text))
+                format!("said something that is no message, which is an object with a `type`: {}", clause(text))
             }
         })
     }
-}
-
-/// A text as it is quoted in a message: not endless, and on one line.
-pub fn shortened(text: &str) -> String {
-    const MOST: usize = 120;
-    let mut shown: String = text.chars().take(MOST).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(MOST).is_some() {
-        shown.push('…');
-    }
-    shown
 }

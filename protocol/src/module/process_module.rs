@@ -2,12 +2,13 @@
 //! judges what it hears. What it cannot understand loses the module: everything it was doing fails.
 
 use super::manifest::Manifest;
-use super::message::{Drive, FromModule, Loss, MOST_BYTES, ModuleAnswer, ModuleWords, Pace, ToModule, shortened};
+use super::message::{Drive, FromModule, Loss, MOST_BYTES, ModuleAnswer, ModuleWords, Pace, ToModule};
 use crate::host::PerceptMessage;
 use crate::line::Conversation;
 use crate::value::{Spoken, is_name};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::{Symbol, fold_name};
+use rpl_lang::visible::clause;
 use rpl_robot::geometry::Velocity;
 use rpl_robot::localization::Estimate;
 use rpl_robot::simulator::Percept;
@@ -255,7 +256,7 @@ impl ProcessModule {
             FromModule::Failure { id, class, message, slots } => {
                 let class = fold_name(&class).into_owned();
                 if let Some(name) = [&class].into_iter().chain(slots.keys()).find(|name| !is_name(name)) {
-                    return Err(format!("said a failure with \"{}\", which is no name", shortened(name)));
+                    return Err(format!("said a failure with \"{}\", which is no name", clause(name)));
                 }
                 let slots = slots.into_iter().map(|(name, value)| (fold_name(&name).into_owned(), value.0)).collect();
                 self.end(id, Ending::Failure { class, message, slots }, news)
@@ -304,7 +305,7 @@ impl ProcessModule {
         let Some(place) = fluents.iter().position(|fluent| fluent.spec.name == folded) else {
             let known = fluents.iter().map(|fluent| &*fluent.spec.name);
             let meant = suggest(&folded, known).map(|meant| format!("; did it mean `{meant}`?")).unwrap_or_default();
-            let name = shortened(name);
+            let name = clause(name);
             return Err(format!("set the fluent `{name}`, which its manifest does not have{meant}"));
         };
         let kind = fluents[place].kind;
@@ -415,7 +416,7 @@ fn arguments_said(
 /// A value as it is shown in messages.
 fn shown(value: &Spoken) -> String {
     match serde_json::to_string(value) {
-        Ok(text) => shortened(&text),
+        Ok(text) => clause(&text),
         Err(error) => unreachable!("what was heard can be said again: {error}"),
     }
 }

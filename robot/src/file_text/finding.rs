@@ -1,5 +1,6 @@
 //! What is wrong with a file: every finding at once, each with its place in the text.
 
+use rpl_lang::visible::{pictured, visible};
 use std::fmt;
 use std::ops::Range;
 use toml::Spanned;
@@ -97,9 +98,11 @@ impl Finding {
         let column = text[line_start..start].chars().count();
         let left_out = if column > MOST_OF_LINE / 2 { column - MOST_OF_LINE / 4 } else { 0 };
         let source_line: String =
-            text[line_start..line_end].trim_end().chars().skip(left_out).take(MOST_OF_LINE).map(visible).collect();
+            text[line_start..line_end].trim_end().chars().skip(left_out).take(MOST_OF_LINE).collect();
+        // A tab has the width of a space, so that the mark stands below what it marks.
+        let source_line = pictured(&source_line.replace(['\t', '\r'], " "));
         Self {
-            file: file.to_owned(),
+            file: visible(file).into_owned(),
             line: text[..start].matches('\n').count() + 1,
             column: column + 1,
             key: key.to_owned(),
@@ -146,24 +149,12 @@ impl fmt::Display for Finding {
     }
 }
 
-/// A character of a file as it is shown: what steers a terminal is only pictured.
-fn visible(character: char) -> char {
-    match character {
-        '\t' => ' ',
-        '\n' => '\n',
-        '\u{0}'..='\u{1f}' => char::from_u32(0x2400 + u32::from(character)).unwrap_or(' '),
-        '\u{7f}'..='\u{9f}' => '\u{2421}',
-        _ => character,
-    }
-}
-
-/// A message with what it quotes of the file made visible, and not endless.
+/// A message on one line, with what it quotes of the file made visible, and not endless.
 fn told(message: &str) -> String {
-    let mut shown: String = message.chars().take(MOST_OF_MESSAGE).map(visible).collect();
-    if message.chars().nth(MOST_OF_MESSAGE).is_some() {
-        shown.push('…');
+    match message.char_indices().nth(MOST_OF_MESSAGE) {
+        None => visible(message).into_owned(),
+        Some((end, _)) => format!("{}…", visible(&message[..end])),
     }
-    shown
 }
 
 fn floor_char_boundary(text: &str, at: usize) -> usize {
@@ -183,4 +174,23 @@ pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>)
         .filter(|(distance, candidate)| *distance <= 1 + candidate.chars().count() / 4)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_says_forges_no_line_and_hides_nothing() {
+        let text = "name = \"a\u{9b}2J\u{202e}\tb\u{200b}\"\r\n";
+        let message = "\"a\nerror: forged\u{1b}[31m\" is no name";
+        let finding = Finding::new("x\n.toml", text, 7..10, "name", message, "type\u{85}one");
+        let shown = finding.to_string();
+        assert!(shown.starts_with("x\\n.toml:1:8: \"a\\nerror: forged\\u{1b}[31m\" is no name\n"), "{shown}");
+        assert_eq!(shown.lines().count(), 4, "{shown}");
+        let mark = shown.lines().nth(2).expect("a mark").find('^').expect("it marks");
+        let line = shown.lines().nth(1).expect("the line");
+        assert_eq!(line.chars().nth(mark), Some('"'), "{shown}");
+        assert!(!shown.chars().any(|c| c != '\n' && rpl_lang::visible::is_invisible(c)), "{shown:?}");
+    }
 }

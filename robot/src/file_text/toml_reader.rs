@@ -2,6 +2,7 @@
 
 use super::finding::{Finding, Findings, nearest};
 use crate::geometry::{Point, Pose};
+use rpl_lang::visible::is_invisible;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -165,7 +166,7 @@ impl<'i> Reader<'i> {
             self.expected(value, key, "a name in quotes", example);
             return None;
         }
-        if let Some(text) = text.filter(|text| text.chars().count() > LONGEST_NAME || text.contains(char::is_control)) {
+        if let Some(text) = text.filter(|text| text.chars().count() > LONGEST_NAME || text.contains(is_invisible)) {
             let length = text.chars().count();
             let message = format!("`{key}` is no name: it has {length} characters, or some that cannot be seen");
             let help =

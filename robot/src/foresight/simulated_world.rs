@@ -6,7 +6,7 @@
 use super::abstract_robot::AbstractRobot;
 use super::ways::Way;
 use crate::geometry::{Point, Pose, Velocity, distance_m};
-use crate::sensors::Signals;
+use crate::sensors::{FailedSensors, Signals};
 use crate::simulator::{Commands, GripperMotion, GripperStatus, Percept, SimulatorModel, SimulatorState};
 use crate::world::{Object, SeenBy, Shape};
 use std::sync::Arc;
@@ -143,6 +143,7 @@ impl SimulatedWorld {
             sonar_m: None,
             laser_m: None,
             camera: None,
+            failed: FailedSensors::default(),
             bumped: self.model.robot().bumper && state.touching,
             gripper: GripperStatus { motion: GripperMotion::Open, holding: None },
             battery: state.battery,

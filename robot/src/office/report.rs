@@ -91,6 +91,35 @@ reports! {
         /// By so much.
         late_s: f64,
     } => "percept late",
+    /// The host says something of time that cannot be: it goes back, stands still or leaps.
+    TimeAstray {
+        /// By so much between two percepts that should have been a period apart, or as many as are missing.
+        by_s: f64,
+    } => "time astray",
+    /// The odometry of the host has changed by more than the robot can have moved: it counts as no motion.
+    OdometryLeapt {
+        /// By so far.
+        distance_m: f64,
+        /// By so much, counter-clockwise.
+        angle_rad: f64,
+    } => "odometry leapt",
+    /// The wheels are said to be faster than the robot can drive: they count as no faster than it can.
+    WheelsTooFast {
+        /// Speed ahead.
+        translation_mps: f64,
+        /// Turning speed.
+        rotation_radps: f64,
+    } => "wheels too fast",
+    /// The host says that a sensor has failed.
+    SensorFailed {
+        /// Which.
+        sensor: String,
+    } => "sensor failed",
+    /// The host says that a sensor works again.
+    SensorWorks {
+        /// Which.
+        sensor: String,
+    } => "sensor works again",
     /// What the robot perceived never came.
     PerceptsMissing {
         /// So many steps of the host.
@@ -213,6 +242,15 @@ impl Report {
             }
             Self::HostLost { why } => vec![("why", why)],
             Self::PerceptLate { late_s } => vec![("seconds", format!("{late_s:.3}"))],
+            Self::TimeAstray { by_s } => vec![("seconds", format!("{by_s:.3}"))],
+            Self::OdometryLeapt { distance_m, angle_rad } => {
+                vec![("metres", format!("{distance_m:.2}")), ("degrees", format!("{:.0}", angle_rad.to_degrees()))]
+            }
+            Self::WheelsTooFast { translation_mps, rotation_radps } => vec![
+                ("metres-per-second", format!("{translation_mps:.2}")),
+                ("degrees-per-second", format!("{:.0}", rotation_radps.to_degrees())),
+            ],
+            Self::SensorFailed { sensor } | Self::SensorWorks { sensor } => vec![("sensor", sensor)],
             Self::PerceptsMissing { count } => vec![("count", format!("{count}"))],
             Self::DecisionLong { took_s } => vec![("seconds", format!("{took_s:.3}"))],
             Self::RotatedByHand { angle_rad } => vec![("degrees", format!("{:.0}", angle_rad.to_degrees()))],

@@ -5,12 +5,14 @@
 //! likelihood, the memory's doubts.
 
 mod camera;
+mod failed;
 mod laser;
 mod sectors;
 mod signal;
 mod sonar;
 
 pub use camera::{CameraImage, CameraReading, CameraView, Pixel, Rgb, Sight};
+pub use failed::FailedSensors;
 pub use laser::{LaserScan, LaserScanner};
 pub use sectors::Sectors;
 pub use signal::{Signal, Signals};

@@ -144,7 +144,7 @@ impl SimulatorModel {
     }
 
     fn attribute(&self, state: &mut SimulatorState, touched: Nearest) {
-        let sonar_works = self.sensors.sonars.is_some() && state.time_us >= state.sonars_fail_until_us;
+        let sonar_works = self.sensors.sonars.is_some() && !self.have_sonars_failed(state);
         let Nearest { seen_by, kind, .. } = touched;
         let is_sudden = match kind {
             NearestKind::Lasting => false,

@@ -3,6 +3,7 @@
 use super::disturbance::Disturbance;
 use crate::experiment::request::ExperimentRequest;
 use crate::files::maps::{MAP_FILE, ros_map};
+use crate::files::shown::Shown;
 use crate::terminal::console;
 use anyhow::{Context, Result, anyhow, bail};
 use rpl_robot::buildings::{Building, BuildingKind, Furniture};
@@ -135,7 +136,7 @@ impl Plot {
                 let map = ros_map(path)?;
                 map.warnings.iter().for_each(|warning| console::note(warning));
                 let world = World::from_map(name, map.grid, robot_radius_m)
-                    .with_context(|| format!("the map `{}` is no world", path.display()))?;
+                    .with_context(|| format!("the map `{}` is no world", path.shown()))?;
                 Ok(Self::Map(Box::new(world)))
             }
         }
@@ -162,14 +163,14 @@ fn maps(folder: &Path) -> Result<Vec<Ground>> {
         bail!(
             "there is no map below `{}`: a map is a file that ends in .yaml beside its image, as the ROS map_server \
              writes them, such as `{MAP_FILE}`",
-            folder.display()
+            folder.shown()
         );
     }
     Ok(found)
 }
 
 fn collect(top: &Path, folder: &Path, depth: usize, found: &mut Vec<Ground>) -> Result<()> {
-    let cannot = |error: std::io::Error| anyhow!("cannot read the folder `{}`: {error}", folder.display());
+    let cannot = |error: std::io::Error| anyhow!("cannot read the folder `{}`: {error}", folder.shown());
     let entries = folder.read_dir().map_err(cannot)?;
     let mut paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_, _>>().map_err(cannot)?;
     paths.sort();
@@ -190,7 +191,7 @@ fn name_of(top: &Path, path: &Path) -> String {
     let below = path.strip_prefix(top).unwrap_or(path);
     let folder = below.parent().filter(|folder| !folder.as_os_str().is_empty());
     match folder {
-        Some(folder) if path.file_name().is_some_and(|file| file == MAP_FILE) => folder.display().to_string(),
-        _ => below.with_extension("").display().to_string(),
+        Some(folder) if path.file_name().is_some_and(|file| file == MAP_FILE) => folder.to_string_lossy().into_owned(),
+        _ => below.with_extension("").to_string_lossy().into_owned(),
     }
 }

@@ -100,7 +100,7 @@ impl Identity {
 }
 
 fn shown(path: &Option<PathBuf>) -> Option<String> {
-    path.as_ref().map(|path| path.display().to_string())
+    path.as_ref().map(|path| path.to_string_lossy().into_owned())
 }
 
 fn seconds(time_us: u64) -> String {
@@ -125,7 +125,7 @@ impl Input {
     pub fn read_so_far() -> Result<Vec<Self>> {
         let mut all = Vec::new();
         for path in inputs::files() {
-            let shown = path.display().to_string();
+            let shown = path.to_string_lossy().into_owned();
             let bytes = inputs::read_bytes(&path, u64::MAX - 1)
                 .map_err(|reason| anyhow!("cannot read `{shown}` again, to tell it apart from others: {reason}"))?;
             all.push(Self { file: file_name(&shown), crc32: crc32fast::hash(&bytes) });

@@ -5,6 +5,7 @@ use super::{PartEnd, SeriesPart};
 use crate::experiment::any_kind::{AnyKind, AnyRecord};
 use crate::experiment::kind::Run;
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use std::fs::File;
@@ -33,7 +34,7 @@ impl Part {
     /// # Errors
     /// It cannot be read, is no part, of another form, cut, or damaged.
     pub fn open(path: &Path) -> Result<Self> {
-        let name = path.display().to_string();
+        let name = path.shown();
         let file = inputs::open(path).map_err(|reason| anyhow::anyhow!("cannot read the part `{name}`: {reason}"))?;
         let mut lines = BufReader::new(file);
         let (mut line, mut hasher, mut bytes) = (Vec::new(), crc32fast::Hasher::new(), 0);

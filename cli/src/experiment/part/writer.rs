@@ -4,6 +4,7 @@ use super::identity::{Identity, Input};
 use super::{PartEnd, SeriesPart};
 use crate::experiment::kind::Run;
 use crate::files::inputs;
+use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::fs::{self, File};
@@ -28,7 +29,7 @@ impl PartWriter {
     /// # Errors
     /// It cannot be written, or is a file that the command has read.
     pub fn begin(path: &Path, identity: &Identity) -> Result<Self> {
-        let shown = path.display();
+        let shown = path.shown();
         must_not_be_read(path)?;
         let Some(name) = path.file_name() else { bail!("`{shown}` is no name for a part; name a file") };
         let beside = path.with_file_name(format!(".{}.{}.new", name.to_string_lossy(), std::process::id()));
@@ -54,7 +55,7 @@ impl PartWriter {
         line.push('\n');
         self.bytes += line.len() as u64;
         self.hasher.update(line.as_bytes());
-        self.file.write_all(line.as_bytes()).with_context(|| format!("cannot write the part `{}`", self.path.display()))
+        self.file.write_all(line.as_bytes()).with_context(|| format!("cannot write the part `{}`", self.path.shown()))
     }
 
     /// The lines that follow are of the next series.
@@ -94,7 +95,7 @@ impl PartWriter {
         };
         let count = end.done.iter().flat_map(|series| &series.runs).map(|(from, to)| to - from).sum();
         self.write(&end)?;
-        let cannot = || format!("cannot write the part `{}`", self.path.display());
+        let cannot = || format!("cannot write the part `{}`", self.path.shown());
         self.file.flush().with_context(cannot)?;
         self.file.get_ref().sync_all().with_context(cannot)?;
         fs::rename(&self.beside, &self.path).with_context(cannot)?;
@@ -104,7 +105,7 @@ impl PartWriter {
 
 fn must_not_be_read(path: &Path) -> Result<()> {
     if inputs::input_at(path).is_some() {
-        bail!("the part cannot go into `{}`, which this command reads; name another file", path.display());
+        bail!("the part cannot go into `{}`, which this command reads; name another file", path.shown());
     }
     Ok(())
 }

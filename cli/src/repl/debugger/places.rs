@@ -33,7 +33,7 @@ pub fn source(system: &System<Robot>, id: SourceId) -> Source {
     match Path::new(name).canonicalize() {
         Ok(path) if path.is_file() => Source {
             name: Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned()),
-            path: Some(path.display().to_string()),
+            path: Some(path.to_string_lossy().into_owned()),
             source_reference: None,
         },
         _ => Source { name: Some(name.to_string()), path: None, source_reference: Some(i64::from(id.0) + 1) },

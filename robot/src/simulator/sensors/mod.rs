@@ -14,7 +14,7 @@ use super::gripper::{GripperCommand, GripperStatus};
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
 use crate::geometry::Pose;
-use crate::sensors::{CameraReading, Signals};
+use crate::sensors::{CameraReading, FailedSensors, Signals};
 use rpl_random::Stream;
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +60,8 @@ macro_rules! compose {
             /// Turning speed, from the wheels.
             pub rotation_radps: f64,
             $($(#[$doc])* pub $field: $reading,)+
+            /// Of which sensors nothing is to be expected.
+            pub failed: FailedSensors,
             /// Whether something presses against the body.
             pub bumped: bool,
             /// State of the gripper.
@@ -95,6 +97,7 @@ macro_rules! compose {
                     translation_mps: state.translation_mps,
                     rotation_radps: state.rotation_radps,
                     $($field: $sense(self, state, commands, &mut streams.$stream),)+
+                    failed: FailedSensors { sonars: self.have_sonars_failed(state), ..FailedSensors::default() },
                     bumped: self.robot().bumper && (state.touching || state.people.iter().any(|person| person.touching)),
                     gripper: state.gripper.status(),
                     battery: state.battery,

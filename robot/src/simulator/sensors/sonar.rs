@@ -9,6 +9,11 @@ use crate::simulator::sweep::Echo;
 use rpl_random::Stream;
 
 impl SimulatorModel {
+    /// Whether there are sonars that have failed.
+    pub(in crate::simulator) fn have_sonars_failed(&self, state: &SimulatorState) -> bool {
+        self.sensors.sonars.is_some() && state.time_us < state.sonars_fail_until_us
+    }
+
     /// One firing of all sonars; none if there are none, or they are off or have failed.
     pub(super) fn fire_sonars(
         &self,
@@ -17,7 +22,7 @@ impl SimulatorModel {
         stream: &mut Stream,
     ) -> Option<Vec<f32>> {
         let (sonar, sonars) = self.robot().sonar.as_ref().zip(self.sensors.sonars.as_ref())?;
-        if !commands.sonars_on || state.time_us < state.sonars_fail_until_us {
+        if !commands.sonars_on || self.have_sonars_failed(state) {
             return None;
         }
         let echoes = self.sonar_echoes(sonars, state, state.robot_in_map);

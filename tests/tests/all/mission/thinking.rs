@@ -5,7 +5,9 @@ use rpl_lang::compile::NoFiles;
 use rpl_mission::modules::own_modules;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
-use rpl_protocol::host::{CommandsMessage, GripperMotionMessage, HostAnswer, PerceptMessage, PoseMessage};
+use rpl_protocol::host::{
+    CommandsMessage, GripperMotionMessage, HostAnswer, PerceptMessage, PoseMessage, SensorMessage,
+};
 use rpl_protocol::line::{Line, LineFault};
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_protocol::thinking::{AnsweredQuestion, MOST_UNDER_WAY, ThinkingAnswer, ThinkingWords};
@@ -34,6 +36,7 @@ impl Line<CommandsMessage, HostAnswer> for Still {
             sonar_m: None,
             laser_m: None,
             camera: None,
+            failed: vec![SensorMessage::Sonars],
             bumped: false,
             gripper: GripperMotionMessage::Open,
             holding: None,
@@ -123,7 +126,7 @@ fn site() -> Site {
 }
 
 fn robot(thinking: Arc<dyn Line<ThinkingWords, ThinkingAnswer>>) -> Robot {
-    let host = RemoteHost::new("still", Arc::new(Still), thinking, PERIOD_US, test_room().sensors.clone(), None);
+    let host = RemoteHost::new("still", Arc::new(Still), thinking, test_room().settings.robot.clone());
     site().robot_of(host, true, SEED).expect("there is a world")
 }
 
