@@ -1,7 +1,7 @@
 //! Typing in a long plan, and the first findings in one: what the language server computes, in processor time.
 
-use lsp_server::{Message, Notification, Request};
 use rpl_benches::{Question, Report, median_ms};
+use rpl_editor::lsp::messages::{Heard, Notification, Request, RequestId};
 use rpl_editor::lsp::session::Session;
 use rpl_editor::surroundings::{Setting, Surroundings};
 use rpl_lang::check::KnownPlaces;
@@ -74,11 +74,11 @@ fn plan(lines: usize) -> String {
 }
 
 fn notify(session: &mut Session<'_>, method: &str, params: Value) {
-    session.hear(Message::Notification(Notification { method: method.to_string(), params }));
+    session.hear(Heard::Notification(Notification { method: method.to_string(), params }));
 }
 
 fn ask(session: &mut Session<'_>, method: &str, params: Value) {
-    session.hear(Message::Request(Request { id: 1.into(), method: method.to_string(), params }));
+    session.hear(Heard::Request(Request { id: RequestId::Number(1), method: method.to_string(), params }));
     // What is said is written.
     session.take_said().iter().for_each(|said| drop(serde_json::to_string(said)));
 }

@@ -22,12 +22,12 @@ pub struct Document {
     /// Where its lines begin.
     pub lines: Lines,
     outline: OnceCell<Rc<Outline>>,
-    /// What was found when the text was last looked at.
+    /// What was found when the text was last looked at, if that is kept.
     pub analysis: Option<Rc<Analysis>>,
-    /// Whether that was this very text.
+    /// Whether that was this very text, with all that it loads.
     pub is_analysed: bool,
-    /// Whether what was found in this very text was told.
-    pub is_told: bool,
+    /// The number of the library that had all it names then.
+    pub library: usize,
 }
 
 impl Document {
@@ -36,7 +36,7 @@ impl Document {
         let path = file_of(&uri).unwrap_or_default();
         let lines = Lines::of(&text);
         let outline = OnceCell::new();
-        Self { uri, path, version, text, lines, outline, analysis: None, is_analysed: false, is_told: false }
+        Self { uri, path, version, text, lines, outline, analysis: None, is_analysed: false, library: 0 }
     }
 
     /// The name that findings and programs have for it.
@@ -47,23 +47,46 @@ impl Document {
         }
     }
 
-    /// Takes a change: a stretch that is replaced, or a whole new text. Cost: linear in the text, without reading it.
-    pub fn change(&mut self, change: TextDocumentContentChangeEvent) {
-        match change.range {
-            Some(range) => {
-                let bytes = self.lines.bytes_of(&self.text, range);
-                self.text.replace_range(bytes, &change.text);
+    /// Takes changes in their order: stretches that are replaced, or a whole new text. Cost: linear in the text for each
+    /// change, and for all of them together if each stands before the last one, as editors with many cursors say them.
+    pub fn change(&mut self, changes: Vec<TextDocumentContentChangeEvent>) {
+        // Of the text as it stands, from the last to the first.
+        let mut edits: Vec<Edit> = Vec::new();
+        for change in changes {
+            let Some(range) = change.range else {
+                edits.clear();
+                self.set_text(change.text);
+                continue;
+            };
+            let mut edit = Edit::of(self, range, &change.text);
+            if edits.last().is_some_and(|later| edit.bytes.end >= later.bytes.start) {
+                self.apply(&edits);
+                edits.clear();
+                edit = Edit::of(self, range, &change.text);
             }
-            None => self.text = change.text,
+            edits.push(edit);
         }
-        self.lines = Lines::of(&self.text);
-        self.outline = OnceCell::new();
-        self.look_again();
+        self.apply(&edits);
     }
 
-    /// What was found may not hold any more.
-    pub fn look_again(&mut self) {
-        (self.is_analysed, self.is_told) = (false, false);
+    /// Replaces stretches of the text, from the last to the first.
+    fn apply(&mut self, edits: &[Edit]) {
+        let mut text = String::with_capacity(self.text.len());
+        let mut at = 0;
+        for Edit { bytes, text: new } in edits.iter().rev() {
+            text.push_str(&self.text[at..bytes.start]);
+            text.push_str(new);
+            at = bytes.end;
+        }
+        text.push_str(&self.text[at..]);
+        self.set_text(text);
+    }
+
+    fn set_text(&mut self, text: String) {
+        self.text = text;
+        self.lines = Lines::of(&self.text);
+        self.outline = OnceCell::new();
+        self.is_analysed = false;
     }
 
     /// The shape of the text as it is now.
@@ -84,6 +107,26 @@ impl Document {
     /// Where a span of this text stands.
     pub fn range_of(&self, span: Span) -> Range {
         self.range(span.start as usize..span.end as usize)
+    }
+}
+
+/// A stretch of a text, and what stands there instead.
+struct Edit {
+    bytes: std::ops::Range<usize>,
+    text: String,
+}
+
+impl Edit {
+    /// What an editor means. One that counts in UTF-16 may cut a character in two: the half that stays is U+FFFD here,
+    /// which has one unit as well, so that what follows stays where the editor has it.
+    fn of(document: &Document, range: Range, text: &str) -> Self {
+        let Document { lines, text: old, .. } = document;
+        let (first, second) = (lines.place(old, range.start), lines.place(old, range.end));
+        let (start, end) = (first.min(second), first.max(second));
+        let half = |is_cut: bool| if is_cut { "\u{fffd}" } else { "" };
+        let end_byte = if end.is_within { old.ceil_char_boundary(end.byte + 1) } else { end.byte };
+        let text = [half(start.is_within), text, half(end.is_within)].concat();
+        Self { bytes: start.byte..end_byte, text }
     }
 }
 

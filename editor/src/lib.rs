@@ -7,12 +7,13 @@
 //! It opens no file and starts no run: texts come from the editor, and what lies beside them (loaded files, the
 //! project's world and robot) from the program around it, through [`surroundings`].
 //!
-//! Read in this order: [`lines`], [`surroundings`], [`outline`], [`analysis`], [`document`], then [`lsp`] from its root, and
-//! [`dap`].
+//! Read in this order: [`lines`], [`surroundings`], [`outline`], [`analysis`], [`document`], then [`frames`], [`lsp`] from its
+//! root, and [`dap`].
 
 pub mod analysis;
 pub mod dap;
 pub mod document;
+pub mod frames;
 pub mod lines;
 pub mod lsp;
 pub mod outline;

@@ -11,6 +11,15 @@ pub struct Lines {
     units: Vec<u32>,
 }
 
+/// A byte of a text, before which something stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// The first of a character, or the end of a line.
+    pub byte: usize,
+    /// Whether half of the character stands before it.
+    pub is_within: bool,
+}
+
 /// Units are counted from the start of such a stretch: a text may be one line.
 const STRETCH_BYTES: usize = 1024;
 
@@ -74,16 +83,26 @@ impl Lines {
     /// The byte at a position. What lies behind a line is its end, what lies behind the text the text's; a position
     /// within a character is before it.
     pub fn byte(&self, text: &str, position: Position) -> usize {
+        self.place(text, position).byte
+    }
+
+    /// The same, and whether it is within a character. Cost: logarithmic in the text.
+    pub fn place(&self, text: &str, position: Position) -> Place {
         let bytes = self.bytes(position.line as usize, text);
-        let line = text[bytes.clone()].trim_end_matches(['\n', '\r']);
-        let mut units = 0;
-        for (at, character) in line.char_indices() {
-            units += character.len_utf16() as u32;
-            if units > position.character {
-                return bytes.start + at;
+        let end = bytes.start + text[bytes.clone()].trim_end_matches(['\n', '\r']).len();
+        let wanted = self.units_before(text, bytes.start).saturating_add(position.character);
+        // In the last stretch before which no more units begin.
+        let stretch = self.units.partition_point(|&before| before <= wanted).saturating_sub(1);
+        let start = text.floor_char_boundary((stretch * STRETCH_BYTES).clamp(bytes.start, end));
+        let mut units = self.units_before(text, start);
+        for (at, character) in text[start..end].char_indices() {
+            let after = units + character.len_utf16() as u32;
+            if after > wanted {
+                return Place { byte: start + at, is_within: units < wanted };
             }
+            units = after;
         }
-        bytes.start + line.len()
+        Place { byte: end, is_within: false }
     }
 
     /// The bytes of a range, in order whatever the range says.

@@ -230,7 +230,8 @@ fn joined(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
         _ => None,
     });
     let told = touching.map(|span| {
-        let place = Span { end: span.start + 1, ..span };
+        let end = text.ceil_char_boundary(span.start as usize + 1) as u32;
+        let place = Span { end, ..span };
         Diagnostic::error("joined-name", place, "two names touch", "the second one begins here")
             .help("put one name wholly between bars: `|two words|`; or put a space between two names")
     });

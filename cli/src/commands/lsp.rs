@@ -1,12 +1,12 @@
 //! `rpl lsp`: the language server, over standard input and output.
 
 use crate::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
-use crate::files::plans::Folder;
+use crate::files::plans::OnDisk;
 use crate::files::project_file::ProjectFile;
 use crate::files::{robot_files, world_files};
 use crate::status::Status;
+use crate::terminal::console;
 use anyhow::Result;
-use lsp_server::Connection;
 use rpl_editor::lsp::{Ending, serve};
 use rpl_editor::surroundings::{Setting, Surroundings};
 use rpl_lang::check::KnownPlaces;
@@ -15,6 +15,7 @@ use rpl_mission::reference::Reference;
 use rpl_mission::site::{Setup, Site};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -35,14 +36,16 @@ pub struct Arguments {
 /// Serves until the editor says `exit` or is gone.
 ///
 /// # Errors
-/// None: what goes wrong is told to the editor.
+/// None: what goes wrong is told to the editor, and if that cannot be, on standard error.
 pub fn run(_: &Arguments) -> Result<Status> {
-    let (connection, threads) = Connection::stdio();
-    let ending = serve(&Files::default(), &connection);
-    drop(connection);
-    // Who has closed the pipe has heard enough.
-    let joined = threads.join();
-    Ok(if ending == Ending::ShutDown && joined.is_ok() { Status::Succeeded } else { Status::Failed })
+    let why = match serve(&Files::default(), BufReader::new(io::stdin()), io::stdout().lock()) {
+        Ok(Ending::ShutDown) => return Ok(Status::Succeeded),
+        Ok(Ending::ToldToExit) => "the editor said `exit` without `shutdown`".to_string(),
+        Ok(Ending::Abandoned) => "the editor is gone without having said `shutdown` and `exit`".to_string(),
+        Err(error) => format!("what the editor says and hears has broken off: {error}"),
+    };
+    console::note(&format!("error: {why}"));
+    Ok(Status::Failed)
 }
 
 /// The files around the texts of an editor.
@@ -65,7 +68,7 @@ impl Surroundings for Files {
 
     fn loader(&self, path: &Path) -> Box<dyn Loader> {
         match path.parent() {
-            Some(folder) => Box::new(Folder::Disk(folder.to_path_buf())),
+            Some(folder) => Box::new(OnDisk(folder.to_path_buf())),
             None => Box::new(NoFiles),
         }
     }

@@ -156,6 +156,15 @@ impl Loader for Folder {
     }
 }
 
+/// The files of a folder, for who looks at texts as long as they are written: what was loaded is not remembered.
+pub struct OnDisk(pub PathBuf);
+
+impl Loader for OnDisk {
+    fn load(&mut self, from: &str, path: &str) -> Result<(String, String), String> {
+        load_from_disk(&self.0, Path::new(from).parent().unwrap_or(Path::new("")), path)
+    }
+}
+
 const OUTSIDE: &str = "it lies outside the folder of the main file; copy it into that folder";
 
 fn load_from_disk(root: &Path, beside: &Path, path: &str) -> Result<(String, String), String> {

@@ -5,16 +5,16 @@
 //! timeline: what comes after is computed again, and comes out the same.
 
 mod adapter;
+mod heard;
 mod places;
 mod standing;
 
 use crate::interrupt;
 use crate::status::Status;
 use adapter::Adapter;
-use rpl_editor::dap::messages::Request;
-use rpl_editor::dap::wire;
-use std::io::{self, BufReader};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use heard::{Requests, read_on};
+use std::io;
+use std::sync::mpsc::channel;
 use std::thread;
 
 /// Serves a debugger on standard input and output until it disconnects or is gone.
@@ -22,50 +22,9 @@ use std::thread;
 /// # Errors
 /// Standard output is closed.
 pub fn debug() -> io::Result<Status> {
-    let (sender, requests) = channel();
+    let (sender, heard) = channel();
     thread::spawn(move || read_on(&sender));
     let _meaning = interrupt::gives_prompt_back();
-    let mut adapter = Adapter::new(Requests { heard: requests, kept: Default::default() });
+    let mut adapter = Adapter::new(Requests::new(heard));
     adapter.serve()
-}
-
-/// Reads to the end of standard input.
-fn read_on(requests: &Sender<Request>) {
-    let mut from = BufReader::new(io::stdin());
-    // What is no message ends the conversation: where the next one begins cannot be known.
-    while let Ok(Some(message)) = wire::read(&mut from) {
-        let Ok(request) = serde_json::from_value::<Request>(message) else { continue };
-        let cannot_wait = stops_run(&request.command);
-        if requests.send(request).is_err() {
-            return;
-        }
-        if cannot_wait {
-            interrupt::ask();
-        }
-    }
-    interrupt::ask();
-}
-
-/// Whether a run under way stops for a request; it goes on afterwards, if that is meant.
-fn stops_run(command: &str) -> bool {
-    matches!(command, "pause" | "disconnect" | "terminate" | "setBreakpoints" | "setFunctionBreakpoints" | "threads")
-}
-
-/// What the debugger has said and was not answered yet.
-struct Requests {
-    heard: Receiver<Request>,
-    /// What was looked at before its turn.
-    kept: std::collections::VecDeque<Request>,
-}
-
-impl Requests {
-    /// The next one; none if the debugger is gone.
-    fn next(&mut self) -> Option<Request> {
-        self.kept.pop_front().or_else(|| self.heard.recv().ok())
-    }
-
-    /// The next one that has come, if any has.
-    fn next_now(&mut self) -> Option<Request> {
-        self.kept.pop_front().or_else(|| self.heard.try_recv().ok())
-    }
 }

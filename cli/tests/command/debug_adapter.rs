@@ -1,7 +1,8 @@
 //! `rpl dap` as a debugger starts it: a script of requests, each said when the run stands still, and what it is told.
 
 use crate::folder::{folder, put};
-use crate::rpl::start;
+use crate::rpl::{feed, rpl, start};
+use crate::wire::{messages, written};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
@@ -276,5 +277,62 @@ fn a_run_without_an_end_can_be_paused() {
     assert_eq!(debugger.stopped().0, "pause");
     debugger.ask("setBreakpoints", at(&plan, 4));
     assert_eq!(debugger.goes("continue"), ("breakpoint".into(), 4));
+    debugger.end();
+}
+
+#[test]
+fn what_is_no_request_is_told_and_the_conversation_goes_on() {
+    let request = |seq: i64, command: &str| json!({ "seq": seq, "type": "request", "command": command });
+    let mut bytes = b"hello\r\n\r\nContent-Length: 3\r\n\r\n{x}Content-Length: 99999999999\r\n\r\n".to_vec();
+    bytes.extend(written(&[
+        json!([]),
+        json!({ "seq": 1, "type": "request" }),
+        json!({ "seq": 1.5, "type": "request", "command": "initialize" }),
+        // An answer asks nothing.
+        json!({ "seq": 2, "type": "response", "command": "disconnect" }),
+        request(3, "initialize"),
+        request(4, "disconnect"),
+    ]));
+    let ended = feed(&mut rpl(&["dap"]), bytes);
+    assert_eq!((ended.status, &*ended.errors), (0, ""));
+    let messages = messages(ended.out.as_bytes());
+    let kind = |message: &Value| (message["type"].clone(), message["request_seq"].clone(), message["success"].clone());
+    let told = (json!("event"), Value::Null, Value::Null);
+    let answered = |seq: i64, success: bool| (json!("response"), json!(seq), json!(success));
+    let expected = [
+        told.clone(),
+        told.clone(),
+        told.clone(),
+        told.clone(),
+        answered(1, false),
+        told,
+        answered(3, true),
+        answered(4, true),
+    ];
+    assert_eq!(messages.iter().map(kind).collect::<Vec<_>>(), expected, "{messages:?}");
+    assert!(messages[1]["body"]["output"].as_str().is_some_and(|text| text.contains("no JSON")), "{messages:?}");
+}
+
+#[test]
+fn a_debugger_that_is_gone_or_breaks_off_is_told() {
+    for (bytes, why) in [("", "the debugger is gone"), ("Content-Length: 10\r\n\r\n{}", "after 2 of 10 bytes")] {
+        let ended = feed(&mut rpl(&["dap"]), bytes);
+        assert_eq!(ended.status, 1);
+        assert!(ended.errors.contains(why), "{}", ended.errors);
+    }
+}
+
+#[test]
+fn lines_frames_and_scopes_that_cannot_be_are_none() {
+    let (mut debugger, plan) = Debugger::at_plan("dap-extremes");
+    debugger.goes("configurationDone");
+    for extreme in [i64::MIN, i64::MAX] {
+        let asked = json!({ "source": { "path": plan }, "breakpoints": [{ "line": extreme }] });
+        let set = debugger.ask("setBreakpoints", asked);
+        assert_eq!(set["breakpoints"][0]["verified"], extreme == i64::MIN, "{set}");
+        debugger.ask("scopes", json!({ "frameId": extreme }));
+        assert_eq!(debugger.ask("variables", json!({ "variablesReference": extreme }))["variables"], json!([]));
+        assert_eq!(debugger.ask("stackTrace", json!({ "threadId": extreme }))["totalFrames"], 0);
+    }
     debugger.end();
 }

@@ -36,8 +36,11 @@ fn it_ends_well_if_it_was_shut_down_first() {
 
     let mut hasty = beginning();
     hasty.push(notification("exit", Value::Null));
-    assert_eq!(said(&hasty).0.status, 1);
-    assert_eq!(said(&beginning()).0.status, 1, "the editor is gone");
+    let ended = said(&hasty).0;
+    assert_eq!((ended.status, &*ended.errors), (1, "error: the editor said `exit` without `shutdown`\n"));
+    let ended = said(&beginning()).0;
+    assert_eq!(ended.status, 1);
+    assert!(ended.errors.starts_with("error: the editor is gone"), "{}", ended.errors);
     assert_eq!(run(&["lsp", "--port", "1"]).status, 2);
 }
 
@@ -71,4 +74,20 @@ fn the_project_says_which_world_and_files_are_meant() {
     let actions = answer(4);
     let code = &actions[0]["diagnostics"][0]["code"];
     assert_eq!(code, "unknown-place", "{actions}");
+}
+
+#[test]
+fn bytes_that_are_no_message_are_answered_and_a_message_that_breaks_off_is_told() {
+    let mut bytes = written(&beginning());
+    bytes.extend(b"Content-Length: 9\r\n\r\n{\"id\":2,}");
+    bytes.extend(written(&[request(3, "shutdown", Value::Null), notification("exit", Value::Null)]));
+    let ended = feed(&mut rpl(&["lsp"]), bytes);
+    assert_eq!((ended.status, &*ended.errors), (0, ""));
+    let messages = messages(ended.out.as_bytes());
+    assert_eq!((&messages[1]["id"], &messages[1]["error"]["code"]), (&Value::Null, &json!(-32700)));
+    assert_eq!(messages[2]["id"], 3);
+
+    let ended = feed(&mut rpl(&["lsp"]), "Content-Length: 10\r\n\r\n{}");
+    assert_eq!(ended.status, 1);
+    assert!(ended.errors.contains("after 2 of 10 bytes of a message"), "{}", ended.errors);
 }

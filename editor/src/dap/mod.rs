@@ -1,5 +1,4 @@
-//! What debuggers say: the messages of the Debug Adapter Protocol that an adapter for plans takes and gives, and how
-//! they are written. The adapter itself stands where runs are stepped.
+//! What debuggers say: the messages of the Debug Adapter Protocol that an adapter for plans takes and gives. The adapter
+//! itself stands where runs are stepped.
 
 pub mod messages;
-pub mod wire;

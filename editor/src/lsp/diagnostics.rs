@@ -30,7 +30,7 @@ pub(super) fn published(session: &mut Session<'_>, uri: &str, analysis: &Analysi
     let mut others = BTreeSet::new();
     for (source, findings) in found {
         let name = &analysis.examined.program.sources.get(source).name;
-        if session.open_file(name).is_none()
+        if session.open.named(name).is_none()
             && let Some(other) = places.uri(source)
         {
             others.insert(other.clone());
@@ -38,7 +38,9 @@ pub(super) fn published(session: &mut Session<'_>, uri: &str, analysis: &Analysi
         }
     }
     let before = session.told.insert(uri.to_string(), others.clone()).unwrap_or_default();
-    said.extend(before.difference(&others).map(|gone| PublishDiagnosticsParams::new(gone.clone(), Vec::new(), None)));
+    // One that was opened meanwhile has findings of its own.
+    let gone = before.difference(&others).filter(|other| session.open.get(other.as_str()).is_none());
+    said.extend(gone.map(|gone| PublishDiagnosticsParams::new(gone.clone(), Vec::new(), None)));
     said
 }
 

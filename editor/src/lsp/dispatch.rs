@@ -1,16 +1,16 @@
 //! What an editor says, handed to what answers it.
 
-use super::session::{Answer, Phase, Refusal, SHORT_BYTES, Session};
+use super::messages::{ErrorCode, Heard, Notification, Refusal, Request, Response, Said};
+use super::session::{Answer, Phase, Session};
 use super::{
     actions, capabilities, completion, diagnostics, folding, formatting, hover, navigation, rename, signatures,
     symbols, tokens,
 };
 use crate::document::Document;
-use lsp_server::{ErrorCode, Message, Notification, Request, Response};
-use lsp_types::Uri;
+use crate::document::file_of;
 use lsp_types::notification::{
     DidChangeTextDocument, DidChangeWatchedFiles, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
-    Notification as KnownNotification, PublishDiagnostics,
+    LogMessage, Notification as KnownNotification, PublishDiagnostics, ShowMessage,
 };
 use lsp_types::request::{
     CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
@@ -18,156 +18,208 @@ use lsp_types::request::{
     Request as KnownRequest, ResolveCompletionItem, SemanticTokensFullRequest, SemanticTokensRangeRequest, Shutdown,
     SignatureHelpRequest,
 };
+use lsp_types::{FileEvent, LogMessageParams, MessageType, PublishDiagnosticsParams, ShowMessageParams, Uri};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 impl Session<'_> {
-    /// Looks at the texts that have changed, the long ones only if no short one waits, and says what was found.
+    /// Looks at one of the texts that have changed, a long one only if no short one waits, and says what was found.
     pub fn look(&mut self) {
-        let Some(longest) = self.waits() else { return };
-        let is_due = |document: &&Document| !document.is_told && (document.text.len() > SHORT_BYTES) == longest;
-        let due: Vec<String> = self.documents.values().filter(is_due).map(|one| one.uri.as_str().to_string()).collect();
-        for uri in due {
-            if let Some(document) = self.documents.get_mut(&uri) {
-                document.is_told = true;
-            }
-            if let Ok(analysis) = self.analysed(&uri) {
-                let said = diagnostics::published(self, &uri, &analysis);
-                said.into_iter().for_each(|params| self.notify::<PublishDiagnostics>(params));
-            }
+        let Some(uri) = self.open.take_waiting() else { return };
+        if let Ok(analysis) = self.analysed(&uri) {
+            let said = diagnostics::published(self, &uri, &analysis);
+            said.into_iter().for_each(|params| self.notify::<PublishDiagnostics>(params));
         }
     }
 
     /// Takes what the editor says; whether the conversation goes on.
-    pub fn hear(&mut self, message: Message) -> bool {
+    pub fn hear(&mut self, message: Heard) -> bool {
         match message {
-            Message::Request(request) => {
-                let response = self.answer(request);
-                self.said.push(response.into());
+            Heard::Request(request) => {
+                let Request { id, method, params } = request;
+                let outcome = self.answer(&method, params);
+                self.said.push(Said::Response(Response { id: Some(id), outcome }));
                 true
             }
-            Message::Notification(notification) if notification.method == Exit::METHOD => false,
-            Message::Notification(notification) => {
+            Heard::Notification(notification) if notification.method == Exit::METHOD => {
+                if self.phase != Phase::ShutDown {
+                    self.phase = Phase::Exited;
+                }
+                false
+            }
+            Heard::Notification(notification) => {
                 if self.phase == Phase::Running {
                     self.take(notification);
                 }
                 true
             }
+            Heard::Malformed(response) => {
+                self.said.push(Said::Response(response));
+                true
+            }
             // The server asks nothing.
-            Message::Response(_) => true,
+            Heard::Response => true,
+            Heard::End => false,
         }
     }
 
-    fn answer(&mut self, request: Request) -> Response {
-        let id = request.id.clone();
-        let refused = |code: ErrorCode, reason: String| Response::new_err(id, code as i32, reason);
-        match (self.phase, request.method.as_str()) {
+    fn answer(&mut self, method: &str, params: Value) -> Answer<Value> {
+        match (self.phase, method) {
             (Phase::Before, Initialize::METHOD) => {
                 self.phase = Phase::Running;
-                Response::new_ok(request.id, capabilities::capabilities())
+                answered(capabilities::capabilities())
             }
-            (Phase::Before, _) => refused(ErrorCode::ServerNotInitialized, "`initialize` comes first".into()),
-            (Phase::ShutDown, _) => refused(ErrorCode::InvalidRequest, "the server has been shut down".into()),
+            (Phase::Before, _) => Err(Refusal::new(ErrorCode::ServerNotInitialized, "`initialize` comes first")),
+            (Phase::ShutDown | Phase::Exited, _) => {
+                Err(Refusal::new(ErrorCode::InvalidRequest, "the server has been shut down"))
+            }
             (Phase::Running, Initialize::METHOD) => {
-                refused(ErrorCode::InvalidRequest, "`initialize` comes once".into())
+                Err(Refusal::new(ErrorCode::InvalidRequest, "`initialize` comes once"))
             }
             (Phase::Running, Shutdown::METHOD) => {
                 self.phase = Phase::ShutDown;
-                Response::new_ok(request.id, ())
+                Ok(Value::Null)
             }
-            (Phase::Running, method) => match method {
-                HoverRequest::METHOD => self.on::<HoverRequest>(request, hover::hover),
-                Completion::METHOD => self.on::<Completion>(request, completion::complete),
-                ResolveCompletionItem::METHOD => self.on::<ResolveCompletionItem>(request, completion::resolve),
-                SignatureHelpRequest::METHOD => self.on::<SignatureHelpRequest>(request, signatures::help),
-                GotoDefinition::METHOD => self.on::<GotoDefinition>(request, navigation::definition),
-                References::METHOD => self.on::<References>(request, navigation::references),
-                DocumentHighlightRequest::METHOD => {
-                    self.on::<DocumentHighlightRequest>(request, navigation::highlights)
-                }
-                PrepareRenameRequest::METHOD => self.on::<PrepareRenameRequest>(request, rename::prepare),
-                Rename::METHOD => self.on::<Rename>(request, rename::rename),
-                DocumentSymbolRequest::METHOD => self.on::<DocumentSymbolRequest>(request, symbols::symbols),
-                FoldingRangeRequest::METHOD => self.on::<FoldingRangeRequest>(request, folding::folds),
-                Formatting::METHOD => self.on::<Formatting>(request, formatting::whole),
-                RangeFormatting::METHOD => self.on::<RangeFormatting>(request, formatting::range),
-                SemanticTokensFullRequest::METHOD => self.on::<SemanticTokensFullRequest>(request, tokens::full),
-                SemanticTokensRangeRequest::METHOD => self.on::<SemanticTokensRangeRequest>(request, tokens::range),
-                CodeActionRequest::METHOD => self.on::<CodeActionRequest>(request, actions::actions),
-                _ => refused(ErrorCode::MethodNotFound, format!("there is no request `{method}`")),
-            },
+            (Phase::Running, HoverRequest::METHOD) => self.on::<HoverRequest>(params, hover::hover),
+            (Phase::Running, Completion::METHOD) => self.on::<Completion>(params, completion::complete),
+            (Phase::Running, ResolveCompletionItem::METHOD) => {
+                self.on::<ResolveCompletionItem>(params, completion::resolve)
+            }
+            (Phase::Running, SignatureHelpRequest::METHOD) => self.on::<SignatureHelpRequest>(params, signatures::help),
+            (Phase::Running, GotoDefinition::METHOD) => self.on::<GotoDefinition>(params, navigation::definition),
+            (Phase::Running, References::METHOD) => self.on::<References>(params, navigation::references),
+            (Phase::Running, DocumentHighlightRequest::METHOD) => {
+                self.on::<DocumentHighlightRequest>(params, navigation::highlights)
+            }
+            (Phase::Running, PrepareRenameRequest::METHOD) => self.on::<PrepareRenameRequest>(params, rename::prepare),
+            (Phase::Running, Rename::METHOD) => self.on::<Rename>(params, rename::rename),
+            (Phase::Running, DocumentSymbolRequest::METHOD) => {
+                self.on::<DocumentSymbolRequest>(params, symbols::symbols)
+            }
+            (Phase::Running, FoldingRangeRequest::METHOD) => self.on::<FoldingRangeRequest>(params, folding::folds),
+            (Phase::Running, Formatting::METHOD) => self.on::<Formatting>(params, formatting::whole),
+            (Phase::Running, RangeFormatting::METHOD) => self.on::<RangeFormatting>(params, formatting::range),
+            (Phase::Running, SemanticTokensFullRequest::METHOD) => {
+                self.on::<SemanticTokensFullRequest>(params, tokens::full)
+            }
+            (Phase::Running, SemanticTokensRangeRequest::METHOD) => {
+                self.on::<SemanticTokensRangeRequest>(params, tokens::range)
+            }
+            (Phase::Running, CodeActionRequest::METHOD) => self.on::<CodeActionRequest>(params, actions::actions),
+            (Phase::Running, _) => {
+                Err(Refusal::new(ErrorCode::MethodNotFound, format!("there is no request `{method}`")))
+            }
         }
     }
 
     fn on<R: KnownRequest>(
         &mut self,
-        request: Request,
+        params: Value,
         answer: impl FnOnce(&mut Self, R::Params) -> Answer<R::Result>,
-    ) -> Response
+    ) -> Answer<Value>
     where
         R::Params: DeserializeOwned,
         R::Result: Serialize,
     {
-        let params = match serde_json::from_value(request.params) {
-            Ok(params) => params,
-            Err(error) => {
-                return Response::new_err(request.id, ErrorCode::InvalidParams as i32, error.to_string());
-            }
-        };
-        match answer(self, params) {
-            Ok(result) => Response::new_ok(request.id, result),
-            Err(Refusal(code, reason)) => Response::new_err(request.id, code as i32, reason),
-        }
+        let params = serde_json::from_value(params)
+            .map_err(|error| Refusal::new(ErrorCode::InvalidParams, format!("`{}`: {error}", R::METHOD)))?;
+        answered(answer(self, params)?)
     }
 
     fn take(&mut self, notification: Notification) {
-        fn params<N: KnownNotification>(notification: Notification) -> Option<N::Params> {
-            // A notification that says nothing sensible has no answer in which to say so.
-            serde_json::from_value(notification.params).ok()
-        }
         match notification.method.as_str() {
             DidOpenTextDocument::METHOD => {
-                if let Some(params) = params::<DidOpenTextDocument>(notification) {
+                if let Some(params) = self.params::<DidOpenTextDocument>(notification) {
                     let opened = params.text_document;
-                    let document = Document::new(opened.uri, opened.version, opened.text);
-                    self.documents.insert(document.uri.as_str().to_string(), document);
-                    self.look_again_at_others();
+                    self.open.open(Document::new(opened.uri, opened.version, opened.text));
                 }
             }
             DidChangeTextDocument::METHOD => {
-                if let Some(params) = params::<DidChangeTextDocument>(notification)
-                    && let Some(document) = self.documents.get_mut(params.text_document.uri.as_str())
-                {
-                    document.version = params.text_document.version;
-                    params.content_changes.into_iter().for_each(|change| document.change(change));
+                if let Some(params) = self.params::<DidChangeTextDocument>(notification) {
+                    let (uri, version) = (params.text_document.uri, params.text_document.version);
+                    if !self.open.change(uri.as_str(), version, params.content_changes) {
+                        self.log(format!("`{}` has changed and is not open", uri.as_str()));
+                    }
                 }
             }
             DidCloseTextDocument::METHOD => {
-                if let Some(params) = params::<DidCloseTextDocument>(notification) {
-                    self.close(params.text_document.uri);
+                if let Some(params) = self.params::<DidCloseTextDocument>(notification) {
+                    self.close(&params.text_document.uri);
                 }
             }
             DidSaveTextDocument::METHOD => {
-                self.look_again_at_others();
+                if let Some(params) = self.params::<DidSaveTextDocument>(notification)
+                    && let Some(name) = self.open.get(params.text_document.uri.as_str()).map(Document::name)
+                {
+                    self.open.look_again_at_loading(&name);
+                }
             }
             DidChangeWatchedFiles::METHOD => {
-                self.surroundings.files_changed();
-                self.look_again_at_others();
+                if let Some(params) = self.params::<DidChangeWatchedFiles>(notification) {
+                    self.files_changed(&params.changes);
+                }
             }
+            // What else is told may be passed over; what is asked is answered in any case, whether it is still wanted
+            // or not.
             _ => {}
         }
     }
 
-    /// Texts may load one that has changed, or be for another world now.
-    fn look_again_at_others(&mut self) {
-        self.documents.values_mut().for_each(Document::look_again);
+    /// What a notification says. One that says nothing sensible has no answer in which to say so, and a text that has changed
+    /// in a way that nobody knows is not known any more: what was answered for it would land elsewhere.
+    fn params<N: KnownNotification>(&mut self, notification: Notification) -> Option<N::Params> {
+        let uri = notification.params.pointer("/textDocument/uri").and_then(Value::as_str).map(str::to_string);
+        let error = match serde_json::from_value(notification.params) {
+            Ok(params) => return Some(params),
+            Err(error) => error,
+        };
+        let lost = uri.filter(|_| [DidOpenTextDocument::METHOD, DidChangeTextDocument::METHOD].contains(&N::METHOD));
+        match lost.and_then(|uri| self.open.get(&uri)).map(|document| document.uri.clone()) {
+            Some(uri) => {
+                self.close(&uri);
+                let message = format!(
+                    "the change of `{}` is not understood: {error}; close the text and open it again",
+                    uri.as_str()
+                );
+                self.notify::<ShowMessage>(ShowMessageParams { typ: MessageType::ERROR, message });
+            }
+            None => self.log(format!("`{}` is not understood: {error}", N::METHOD)),
+        }
+        None
     }
 
-    fn close(&mut self, uri: Uri) {
-        self.documents.remove(uri.as_str());
-        let told = self.told.remove(uri.as_str()).unwrap_or_default();
-        for other in told.into_iter().chain([uri]) {
-            self.notify::<PublishDiagnostics>(lsp_types::PublishDiagnosticsParams::new(other, Vec::new(), None));
+    fn log(&mut self, message: String) {
+        self.notify::<LogMessage>(LogMessageParams { typ: MessageType::WARNING, message });
+    }
+
+    /// Texts may load one that has changed, or be for another world now.
+    fn files_changed(&mut self, changes: &[FileEvent]) {
+        let name = |change: &FileEvent| Some(file_of(&change.uri)?.display().to_string());
+        let plans: Option<Vec<String>> =
+            changes.iter().map(|change| name(change).filter(|name| name.ends_with(".rpl"))).collect();
+        match plans {
+            Some(plans) => plans.iter().for_each(|name| self.open.look_again_at_loading(name)),
+            None => {
+                self.surroundings.files_changed();
+                self.open.look_again_at_all();
+            }
         }
     }
+
+    fn close(&mut self, uri: &Uri) {
+        if !self.open.close(uri.as_str()) {
+            self.log(format!("`{}` is closed and was not open", uri.as_str()));
+            return;
+        }
+        let told = self.told.remove(uri.as_str()).unwrap_or_default();
+        let closed = told.into_iter().filter(|other| self.open.get(other.as_str()).is_none());
+        for gone in closed.chain([uri.clone()]).collect::<Vec<_>>() {
+            self.notify::<PublishDiagnostics>(PublishDiagnosticsParams::new(gone, Vec::new(), None));
+        }
+    }
+}
+
+fn answered(result: impl Serialize) -> Answer<Value> {
+    serde_json::to_value(result).map_err(|error| Refusal::new(ErrorCode::InternalError, error.to_string()))
 }

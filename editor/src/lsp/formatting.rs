@@ -23,7 +23,11 @@ pub(super) fn range(session: &mut Session<'_>, params: DocumentRangeFormattingPa
     Ok(edits(document, start..end))
 }
 
-/// The changes that touch some bytes; none if the text cannot be read.
+/// In the place of a half of a character: an editor may have the whole, and has it in two halves here.
+const HALF: char = '\u{fffd}';
+
+/// The changes that touch some bytes; none if the text cannot be read. Lines with what may be half a character stay as
+/// they are.
 fn edits(document: &Document, within: Range<usize>) -> Option<Vec<TextEdit>> {
     let formatted = formatter::format(&document.text, SourceId(0)).ok()?;
     let diff = TextDiff::from_lines(document.text.as_str(), formatted.as_str());
@@ -32,7 +36,8 @@ fn edits(document: &Document, within: Range<usize>) -> Option<Vec<TextEdit>> {
         let bytes = old[op.old_range().start]..old[op.old_range().end];
         let touches = bytes.start <= within.end && within.start <= bytes.end;
         let text = &formatted[new[op.new_range().start]..new[op.new_range().end]];
-        touches.then(|| TextEdit::new(document.range(bytes), text.to_string()))
+        let is_known = !document.text[bytes.clone()].contains(HALF);
+        (touches && is_known).then(|| TextEdit::new(document.range(bytes), text.to_string()))
     });
     Some(changed.collect())
 }

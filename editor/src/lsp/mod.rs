@@ -1,7 +1,7 @@
 //! The language server: the protocol's requests, each answered in a file of its own.
 //!
-//! [`session`] is the server as a value: what it is told, it answers (`dispatch`), and it can be asked to look at the
-//! texts that have changed. [`serve`] is the loop around it, which decides when: a short text is looked at as soon as nothing more
+//! [`session`] is the server as a value: what it is told ([`messages`]), it answers (`dispatch`), and it can be asked to look
+//! at one of the texts that have changed (`open_texts`). [`serve`] is the loop around it, which decides when: a short text is looked at as soon as nothing more
 //! waits to be read, a long one when typing pauses.
 
 #![allow(
@@ -17,13 +17,17 @@ mod dispatch;
 mod folding;
 mod formatting;
 mod hover;
+mod loads;
+pub mod messages;
 mod navigation;
+mod open_texts;
 mod rename;
 mod serve;
 pub mod session;
 mod signatures;
 mod symbols;
 mod tokens;
+mod waiting;
 
 pub use serve::serve;
 pub use session::Ending;

@@ -3,7 +3,8 @@
 //! The renamed texts are looked at before they are handed out: every name in them must mean what it meant.
 
 use super::diagnostics::Places;
-use super::session::{Answer, Refusal, Session};
+use super::messages::Refusal;
+use super::session::{Answer, Session};
 use crate::analysis::Analysis;
 use crate::document::Document;
 use lsp_types::{PrepareRenameResponse, RenameParams, TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit};

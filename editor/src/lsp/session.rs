@@ -1,24 +1,24 @@
 //! The server as a value: where the conversation is, and what is known of the open texts.
 
+use super::messages::{ErrorCode, Notification, Refusal, Said};
+use super::open_texts::OpenTexts;
 use crate::analysis::Analysis;
 use crate::document::Document;
 use crate::surroundings::Surroundings;
-use lsp_server::{ErrorCode, Message, Notification};
 use lsp_types::notification::{Notification as KnownNotification, ShowMessage};
 use lsp_types::{MessageType, ShowMessageParams, Uri};
 use rpl_lang::compile::Loader;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// A text of up to so many bytes is looked at after each change; reading 2,500 lines takes some 20 ms.
-pub(super) const SHORT_BYTES: usize = 100_000;
-
 /// How a server has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// It was shut down before it was told to exit.
+    /// It was shut down first.
     ShutDown,
-    /// It was told to exit, or nobody was there any more, without having been shut down.
+    /// It was told to exit without having been shut down.
+    ToldToExit,
+    /// Nobody was there any more.
     Abandoned,
 }
 
@@ -30,15 +30,14 @@ pub(super) enum Phase {
     Running,
     /// Nothing is answered any more.
     ShutDown,
+    /// `exit` has come without `shutdown`.
+    Exited,
 }
-
-/// A request that is not answered: the protocol's code and a sentence.
-pub(super) struct Refusal(pub(super) ErrorCode, pub(super) String);
 
 impl Refusal {
     /// A request that cannot be done, and why.
     pub(super) fn failed(reason: impl Into<String>) -> Self {
-        Self(ErrorCode::RequestFailed, reason.into())
+        Self::new(ErrorCode::RequestFailed, reason)
     }
 }
 
@@ -49,10 +48,10 @@ pub(super) type Answer<T> = Result<T, Refusal>;
 pub struct Session<'s> {
     pub(super) surroundings: &'s dyn Surroundings,
     pub(super) phase: Phase,
-    pub(super) documents: BTreeMap<String, Document>,
+    pub(super) open: OpenTexts,
     /// For each open text the others that its findings were told of.
     pub(super) told: BTreeMap<String, BTreeSet<Uri>>,
-    pub(super) said: Vec<Message>,
+    pub(super) said: Vec<Said>,
     /// How often a text was looked at as a whole.
     pub looks: u64,
 }
@@ -60,40 +59,39 @@ pub struct Session<'s> {
 impl<'s> Session<'s> {
     /// A conversation that has not begun.
     pub fn new(surroundings: &'s dyn Surroundings) -> Self {
-        let (documents, told) = (BTreeMap::new(), BTreeMap::new());
-        Self { surroundings, phase: Phase::Before, documents, told, said: Vec::new(), looks: 0 }
+        let (open, told) = (OpenTexts::default(), BTreeMap::new());
+        Self { surroundings, phase: Phase::Before, open, told, said: Vec::new(), looks: 0 }
     }
 
     /// What there is to say to the editor since this was last asked.
-    pub fn take_said(&mut self) -> Vec<Message> {
+    pub fn take_said(&mut self) -> Vec<Said> {
         std::mem::take(&mut self.said)
     }
 
     /// How the conversation ends if it ends now.
     pub fn ending(&self) -> Ending {
-        if self.phase == Phase::ShutDown { Ending::ShutDown } else { Ending::Abandoned }
+        match self.phase {
+            Phase::ShutDown => Ending::ShutDown,
+            Phase::Exited => Ending::ToldToExit,
+            Phase::Before | Phase::Running => Ending::Abandoned,
+        }
     }
 
     /// Whether a changed text waits for its findings to be told, and if so, whether that is a long one.
     pub fn waits(&self) -> Option<bool> {
-        let waiting = self.documents.values().filter(|document| !document.is_told);
-        waiting.map(|document| document.text.len() > SHORT_BYTES).min()
+        self.open.waits()
     }
 
     /// Says something that asks for no answer.
     pub(super) fn notify<N: KnownNotification>(&mut self, params: N::Params) {
-        self.said.push(Notification::new(N::METHOD.to_string(), params).into());
+        let params = serde_json::to_value(params).unwrap_or_else(|error| unreachable!("a message is JSON: {error}"));
+        self.said.push(Said::Notification(Notification { method: N::METHOD.to_string(), params }));
     }
 
     /// An open text.
     pub(super) fn document(&self, uri: &Uri) -> Answer<&Document> {
-        let reason = || Refusal(ErrorCode::InvalidParams, format!("`{}` is not open", uri.as_str()));
-        self.documents.get(uri.as_str()).ok_or_else(reason)
-    }
-
-    /// The open text of a file.
-    pub(super) fn open_file(&self, path: &str) -> Option<&Document> {
-        self.documents.values().find(|document| document.path.to_str() == Some(path))
+        let refusal = || Refusal::new(ErrorCode::InvalidParams, format!("`{}` is not open", uri.as_str()));
+        self.open.get(uri.as_str()).ok_or_else(refusal)
     }
 
     /// Where the files and worlds come from.
@@ -117,18 +115,15 @@ impl<'s> Session<'s> {
 
     /// What is known of a text as it is now.
     pub(super) fn analysed(&mut self, uri: &str) -> Answer<Rc<Analysis>> {
-        let Some(document) = self.documents.get(uri) else { return Err(Refusal::failed("it is not open")) };
+        let Some(document) = self.open.get(uri) else { return Err(Refusal::failed("it is not open")) };
         if let (true, Some(analysis)) = (document.is_analysed, &document.analysis) {
             return Ok(analysis.clone());
         }
-        let analysed = self.examine(document, &document.text);
-        let Some(document) = self.documents.get_mut(uri) else { return Err(Refusal::failed("it is not open")) };
-        document.is_analysed = true;
-        match analysed {
-            Ok(analysis) => {
+        match self.examine_noting(document, &document.text, BTreeMap::new()) {
+            Ok((analysis, lacks_some)) => {
                 self.looks += 1;
                 let analysis = Rc::new(analysis);
-                document.analysis = Some(analysis.clone());
+                self.open.keep(uri, analysis.clone(), lacks_some);
                 Ok(analysis)
             }
             Err(reason) => {
@@ -140,7 +135,7 @@ impl<'s> Session<'s> {
 
     /// Looks at a text in the place of an open one.
     pub(super) fn examine(&self, document: &Document, text: &str) -> Result<Analysis, String> {
-        self.examine_all(document, BTreeMap::from([(document.name(), text.to_string())]))
+        Ok(self.examine_noting(document, text, BTreeMap::new())?.0)
     }
 
     /// Looks at texts, by their names, in the place of an open one and of those it loads.
@@ -149,29 +144,40 @@ impl<'s> Session<'s> {
         document: &Document,
         mut texts: BTreeMap<String, String>,
     ) -> Result<Analysis, String> {
-        let setting = self.surroundings.setting(&document.path)?;
         let text = texts.remove(&document.name()).unwrap_or_default();
-        for open in self.documents.values() {
-            texts.entry(open.name()).or_insert_with(|| open.text.clone());
-        }
-        let mut loader = OpenTexts { beside: self.surroundings.loader(&document.path), texts };
+        Ok(self.examine_noting(document, &text, texts)?.0)
+    }
+
+    /// Looks at a text, with others in the place of those it loads; and whether it loads what there is not.
+    fn examine_noting(
+        &self,
+        document: &Document,
+        text: &str,
+        instead: BTreeMap<String, String>,
+    ) -> Result<(Analysis, bool), String> {
+        let setting = self.surroundings.setting(&document.path)?;
+        let beside = self.surroundings.loader(&document.path);
+        let mut loader = Loading { beside, instead, open: &self.open, lacks_some: false };
         // While it is typed, a text goes on naming the robot; when it is opened, all libraries are tried.
-        let first = document.analysis.as_ref().map_or(0, |last| last.library);
-        Ok(Analysis::of(setting, first, &document.name(), &text, &mut loader))
+        let analysis = Analysis::of(setting, document.library, &document.name(), text, &mut loader);
+        Ok((analysis, loader.lacks_some))
     }
 }
 
 /// Loads what the editor has open from there, and all else from its file.
-struct OpenTexts {
+struct Loading<'s> {
     beside: Box<dyn Loader>,
-    /// By name.
-    texts: BTreeMap<String, String>,
+    /// Texts, by name, that stand for others.
+    instead: BTreeMap<String, String>,
+    open: &'s OpenTexts,
+    lacks_some: bool,
 }
 
-impl Loader for OpenTexts {
+impl Loader for Loading<'_> {
     fn load(&mut self, from: &str, path: &str) -> Result<(String, String), String> {
-        let (name, text) = self.beside.load(from, path)?;
-        let text = self.texts.get(&name).cloned().unwrap_or(text);
+        let (name, text) = self.beside.load(from, path).inspect_err(|_| self.lacks_some = true)?;
+        let open = || self.open.named(&name).map(|document| document.text.clone());
+        let text = self.instead.get(&name).cloned().or_else(open).unwrap_or(text);
         Ok((name, text))
     }
 }

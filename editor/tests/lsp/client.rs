@@ -1,6 +1,6 @@
 //! An editor as a script: what it says to a session, and what it hears.
 
-use lsp_server::{Message, Notification, Request, Response};
+use rpl_editor::lsp::messages::{Heard, Notification, Request, RequestId, Response, Said};
 use rpl_editor::lsp::session::Session;
 use rpl_editor::surroundings::{Setting, Surroundings};
 use rpl_lang::check::KnownPlaces;
@@ -88,33 +88,37 @@ impl<'s> Client<'s> {
     }
 
     fn open(&mut self, text: &str) {
-        let document = json!({ "uri": FILE, "languageId": "rpl", "version": 1, "text": text });
+        self.open_at(FILE, text);
+    }
+
+    /// Opens one more text.
+    pub fn open_at(&mut self, uri: &str, text: &str) {
+        let document = json!({ "uri": uri, "languageId": "rpl", "version": 1, "text": text });
         self.notify("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
     pub fn respond(&mut self, method: &str, params: Value) -> Response {
         self.requests += 1;
-        let request = Request { id: self.requests.into(), method: method.to_string(), params };
-        self.session.hear(Message::Request(request));
+        let id = RequestId::Number(self.requests);
+        self.session.hear(Heard::Request(Request { id: id.clone(), method: method.to_string(), params }));
         let mut response = None;
         for message in self.session.take_said() {
             match message {
-                Message::Response(answer) => response = Some(answer),
-                Message::Notification(notification) => self.heard.push(notification),
-                Message::Request(request) => panic!("the server asks {request:?}"),
+                Said::Response(answer) => response = Some(answer),
+                Said::Notification(notification) => self.heard.push(notification),
             }
         }
         let response = response.expect("every request is answered");
-        assert_eq!(response.id, self.requests.into());
+        assert_eq!(response.id, Some(id));
         response
     }
 
     pub fn request(&mut self, method: &str, params: Value) -> Result<Value, String> {
-        self.respond(method, params).response_result.map_err(|error| error.message)
+        self.respond(method, params).outcome.map_err(|refusal| refusal.reason)
     }
 
     pub fn notify(&mut self, method: &str, params: Value) {
-        self.session.hear(Message::Notification(Notification { method: method.to_string(), params }));
+        self.session.hear(Heard::Notification(Notification { method: method.to_string(), params }));
     }
 
     /// A request about the open text.
@@ -138,21 +142,39 @@ impl<'s> Client<'s> {
 
     /// Replaces a range of the open text.
     pub fn change(&mut self, range: Value, text: &str) {
+        self.changes(json!([{ "range": range, "text": text }]));
+    }
+
+    /// Several changes of the open text in one message.
+    pub fn changes(&mut self, changes: Value) {
         self.version += 1;
         let document = json!({ "uri": FILE, "version": self.version + 1 });
-        let change = json!({ "range": range, "text": text });
-        self.notify("textDocument/didChange", json!({ "textDocument": document, "contentChanges": [change] }));
+        self.notify("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
+    }
+
+    /// The server has time to look; the texts it tells findings of then, in their order.
+    pub fn looked(&mut self) -> Vec<String> {
+        while self.session.waits().is_some() {
+            self.session.look();
+        }
+        let before = self.heard.len();
+        self.heard.extend(self.session.take_said().into_iter().filter_map(|message| match message {
+            Said::Notification(notification) => Some(notification),
+            Said::Response(_) => None,
+        }));
+        let told = self.heard[before..].iter().filter(|one| one.method == "textDocument/publishDiagnostics");
+        told.map(|one| one.params["uri"].as_str().expect("it has a name").to_string()).collect()
+    }
+
+    /// The last thing that the server has told of its own accord.
+    pub fn last_told(&mut self) -> Notification {
+        self.looked();
+        self.heard.last().expect("something was told").clone()
     }
 
     /// The findings in a file after the server has had time to look, the last ones told.
     pub fn findings(&mut self, uri: &str) -> Vec<Value> {
-        while self.session.waits().is_some() {
-            self.session.look();
-        }
-        self.heard.extend(self.session.take_said().into_iter().filter_map(|message| match message {
-            Message::Notification(notification) => Some(notification),
-            Message::Request(_) | Message::Response(_) => None,
-        }));
+        self.looked();
         let told = self.heard.iter().rev().filter(|one| one.method == "textDocument/publishDiagnostics");
         let found = told.map(|one| &one.params).find(|params| params["uri"] == uri).expect("findings were told");
         found["diagnostics"].as_array().expect("it is a list").clone()

@@ -1,53 +1,56 @@
 //! How a conversation begins, goes on and ends; and that the server knows the text the editor has.
 
 use crate::client::{Client, FILE, Files, range};
-use lsp_server::{ErrorCode, Message, Notification, Request};
 use rpl_editor::lsp::Ending;
+use rpl_editor::lsp::messages::{ErrorCode, Heard};
 use rpl_editor::lsp::session::Session;
 use serde_json::{Value, json};
 
-fn code(client: &mut Client<'_>, method: &str, params: Value) -> Option<i32> {
-    client.respond(method, params).response_result.err().map(|error| error.code)
+fn code(client: &mut Client<'_>, method: &str, params: Value) -> Option<ErrorCode> {
+    client.respond(method, params).outcome.err().map(|refusal| refusal.code)
 }
 
 #[test]
 fn nothing_is_answered_before_initialize_and_after_shutdown() {
     let files = Files::default();
     let mut session = Session::new(&files);
-    let request = |method: &str| Message::Request(Request::new(1.into(), method.to_string(), json!({})));
-    session.hear(request("textDocument/hover"));
-    let said = session.take_said();
-    let Some(Message::Response(response)) = said.first() else { panic!("{said:?}") };
-    let error = response.response_result.as_ref().expect_err("it comes too early");
-    assert_eq!(error.code, ErrorCode::ServerNotInitialized as i32);
+    session.hear(Heard::of(json!({ "id": 1, "method": "textDocument/hover", "params": {} })));
+    let said = serde_json::to_value(session.take_said()).expect("it can be said");
+    assert_eq!((&said[0]["id"], &said[0]["error"]["code"]), (&json!(1), &json!(-32002)));
 
     let mut client = Client::new(&files);
-    assert_eq!(code(&mut client, "initialize", json!({ "capabilities": {} })), Some(ErrorCode::InvalidRequest as i32));
+    assert_eq!(code(&mut client, "initialize", json!({ "capabilities": {} })), Some(ErrorCode::InvalidRequest));
     assert_eq!(code(&mut client, "shutdown", Value::Null), None);
-    assert_eq!(code(&mut client, "shutdown", Value::Null), Some(ErrorCode::InvalidRequest as i32));
+    assert_eq!(code(&mut client, "shutdown", Value::Null), Some(ErrorCode::InvalidRequest));
 }
 
 #[test]
 fn what_is_not_known_or_not_understood_gets_the_protocols_error() {
     let files = Files::default();
     let mut client = Client::with(&files, "(print 1)\n");
-    assert_eq!(code(&mut client, "textDocument/moon", json!({})), Some(ErrorCode::MethodNotFound as i32));
-    assert_eq!(code(&mut client, "textDocument/hover", json!({ "no": 1 })), Some(ErrorCode::InvalidParams as i32));
+    assert_eq!(code(&mut client, "textDocument/moon", json!({})), Some(ErrorCode::MethodNotFound));
+    assert_eq!(code(&mut client, "textDocument/hover", json!({ "no": 1 })), Some(ErrorCode::InvalidParams));
     let elsewhere = json!({ "textDocument": { "uri": "file:///x.rpl" }, "position": { "line": 0, "character": 0 } });
-    assert_eq!(code(&mut client, "textDocument/hover", elsewhere), Some(ErrorCode::InvalidParams as i32));
-    // Notifications that say nothing sensible are passed over.
+    assert_eq!(code(&mut client, "textDocument/hover", elsewhere), Some(ErrorCode::InvalidParams));
+    // Notifications that say nothing sensible have no answer, and are told.
+    client.findings(FILE);
     client.notify("textDocument/didChange", json!({ "textDocument": 7 }));
+    assert_eq!(client.last_told().method, "window/logMessage");
     client.notify("$/moon", json!({}));
+    client.notify("$/cancelRequest", json!({ "id": 99 }));
     assert!(client.findings(FILE).is_empty());
 }
 
 #[test]
 fn only_a_server_that_was_shut_down_ends_well() {
     let files = Files::default();
-    let exit = || Message::Notification(Notification::new("exit".to_string(), Value::Null));
+    let exit = || Heard::of(json!({ "method": "exit" }));
+    let mut client = Client::new(&files);
+    assert!(!client.session.hear(Heard::End));
+    assert_eq!(client.session.ending(), Ending::Abandoned);
     let mut client = Client::new(&files);
     assert!(!client.session.hear(exit()));
-    assert_eq!(client.session.ending(), Ending::Abandoned);
+    assert_eq!(client.session.ending(), Ending::ToldToExit);
     let mut client = Client::new(&files);
     client.request("shutdown", Value::Null).expect("it is answered");
     assert!(!client.session.hear(exit()));

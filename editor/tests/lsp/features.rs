@@ -1,6 +1,7 @@
 //! Each feature: one fact of the language that an editor is told.
 
 use crate::client::{Client, FILE, Files, changed, range};
+use rpl_editor::lsp::messages::{Heard, Said};
 use serde_json::{Value, json};
 
 /// Two plans that share names of variables, a macro of the text, a class of failure.
@@ -351,10 +352,9 @@ fn words_are_coloured_by_what_they_mean() {
         let mut other = Client::new(&files);
         other.respond("shutdown", Value::Null);
         let mut session = rpl_editor::lsp::session::Session::new(&files);
-        let request = lsp_server::Request::new(1.into(), "initialize".into(), json!({ "capabilities": {} }));
-        session.hear(lsp_server::Message::Request(request));
+        session.hear(Heard::of(json!({ "id": 1, "method": "initialize", "params": { "capabilities": {} } })));
         match session.take_said().remove(0) {
-            lsp_server::Message::Response(response) => response.response_result.expect("it is answered"),
+            Said::Response(response) => response.outcome.expect("it is answered"),
             other => panic!("{other:?}"),
         }
     };

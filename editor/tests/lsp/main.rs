@@ -3,3 +3,6 @@
 mod client;
 mod conversation;
 mod features;
+mod open_texts;
+mod streams;
+mod synchrony;

@@ -5,7 +5,7 @@ use rpl_lang::diagnostic::Diagnostic;
 use rpl_lang::lexer::{Token, lex};
 use rpl_lang::pretty::print;
 use rpl_lang::reader::{Completeness, MAX_DEPTH, MAX_ERRORS, completeness, read};
-use rpl_lang::source::SourceId;
+use rpl_lang::source::{SourceId, Span};
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::Tree;
 
@@ -150,8 +150,11 @@ fn what_is_wrong_about_a_name_between_bars_is_told_where_it_stands() {
         ("(a |b||c|)", "joined-name", 6),
         ("(a library:|b|)", "joined-name", 11),
         ("(a 5|b|)", "joined-name", 4),
+        ("(a |b|é)", "joined-name", 6),
     ] {
         let (data, found) = read_all(text);
+        let Span { start: from, end, .. } = found[0].span;
+        assert!(text.get(from as usize..end as usize).is_some(), "{text}: it is told in the midst of a character");
         let found: Vec<_> = found.iter().map(|found| (found.code, found.span.start)).collect();
         assert_eq!(found[0], (code, start), "{text}");
         assert!(data.len() == if text.contains("(b)") { 2 } else { 1 }, "{text}: {data:?}");

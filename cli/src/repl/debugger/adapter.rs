@@ -1,7 +1,7 @@
 //! The adapter: what a debugger asks, done to a session.
 
-use super::Requests;
-use super::places::{Counting, meant, stopping_line};
+use super::heard::{Heard, Requests};
+use super::places::{Counting, meant, stopping_lines};
 use super::standing::{Frames, scopes, thread_of, threads};
 use crate::arguments::site::SiteArguments;
 use crate::files::module_files::{GoingBack, ModuleVoices, Modules};
@@ -14,14 +14,14 @@ use crate::repl::own_text::{is_own, is_shown};
 use crate::repl::session::{HandedIn, Session};
 use crate::show::failure_report::Reporter;
 use crate::status::Status;
-use crate::terminal::console::Console;
+use crate::terminal::console::{self, Console};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use rpl_editor::dap::messages::{
     self, Evaluate, Launch, Numbered, OfThread, Request, Said, Scopes, SetBreakpoints, SetExceptionBreakpoints,
     SetFunctionBreakpoints, SourceRequest, StackTrace, Variables,
 };
-use rpl_editor::dap::wire;
+use rpl_editor::frames;
 use rpl_lang::compile::NoFiles;
 use rpl_lang::source::SourceId;
 use rpl_runtime::run::session::Answer;
@@ -103,20 +103,32 @@ impl Adapter {
     /// # Errors
     /// Standard output is closed.
     pub(super) fn serve(&mut self) -> io::Result<Status> {
-        while let Some(request) = self.requests.next() {
-            match self.answer(&request)? {
-                Next::Listen => {}
-                Next::Stopped(reason) => self.tell_stopped(reason, None)?,
-                Next::GoOn(until) => self.go_on(until)?,
-                Next::End => return Ok(Status::Succeeded),
+        while let Some(heard) = self.requests.next() {
+            match (self.hear(&heard)?, heard) {
+                (Next::Listen, _) => {}
+                (Next::Stopped(reason), _) => self.tell_stopped(reason, None)?,
+                (Next::GoOn(until), _) => self.go_on(until)?,
+                (Next::End, Heard::End(why)) => {
+                    console::note(&format!("error: {why}"));
+                    break;
+                }
+                (Next::End, Heard::Request(_) | Heard::Malformed(_)) => return Ok(Status::Succeeded),
             }
         }
         Ok(self.status)
     }
 
+    fn hear(&mut self, heard: &Heard) -> io::Result<Next> {
+        match heard {
+            Heard::Request(request) => self.answer(request),
+            Heard::Malformed(told) => self.say(told.clone()).map(|()| Next::Listen),
+            Heard::End(_) => Ok(Next::End),
+        }
+    }
+
     fn say(&mut self, said: Said) -> io::Result<()> {
         self.said += 1;
-        wire::write(&Numbered { seq: self.said, said }, &mut io::stdout().lock())
+        frames::write(&Numbered { seq: self.said, said }, &mut io::stdout().lock())
     }
 
     fn event(&mut self, event: &'static str, body: Option<Json>) -> io::Result<()> {
@@ -226,14 +238,14 @@ impl Adapter {
     fn go_on(&mut self, until: Until) -> io::Result<()> {
         loop {
             interrupt::forget();
-            while let Some(request) = self.requests.next_now() {
-                match self.answer(&request)? {
+            while let Some(heard) = self.requests.next_now() {
+                match self.hear(&heard)? {
                     Next::Listen => {}
                     Next::Stopped(reason) => return self.tell_stopped(reason, None),
                     // The run goes on as it was told first.
                     Next::GoOn(_) => {}
                     Next::End => {
-                        self.requests.kept.push_front(request);
+                        self.requests.keep(heard);
                         return Ok(());
                     }
                 }
@@ -340,11 +352,16 @@ impl Debugged {
             return json!({ "breakpoints": vec![unknown; asked.breakpoints.len()] });
         };
         self.lines.retain(|line| line.source != source);
+        let stopping = stopping_lines(&self.session.branch.system, source);
         let told = asked.breakpoints.iter().map(|asked| {
             let system = &mut self.session.branch.system;
-            let wanted = usize::try_from(asked.line - counting.first_line + 1).unwrap_or_default();
+            let wanted = asked.line.saturating_sub(counting.first_line).saturating_add(1);
+            let wanted = usize::try_from(wanted).unwrap_or_default();
             let name = system.program.sources.get(source).name.to_string();
-            let place = stopping_line(system, source, wanted)
+            let place = stopping
+                .range(wanted..)
+                .next()
+                .copied()
                 .ok_or_else(|| "there is no form at this line or below".to_string())
                 .and_then(|line| Ok((line, Breakpoint::parse(&format!("{name}:{line}"), None, system, false)?)));
             match place {

@@ -5,6 +5,7 @@ use rpl_editor::lines::Lines;
 use rpl_lang::source::{SourceId, Span};
 use rpl_mission::robot::Robot;
 use rpl_runtime::run::system::System;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// How a debugger counts.
@@ -17,10 +18,9 @@ pub struct Counting {
 }
 
 impl Counting {
-    /// Lines and columns of the beginning and the end of a form.
-    pub fn of(&self, system: &System<Robot>, span: Span) -> [(i64, i64); 2] {
-        let text = &system.program.sources.get(span.source).text;
-        let range = Lines::of(text).range(text, span.start as usize..span.end as usize);
+    /// Lines and columns of the beginning and the end of a form, in a text whose lines are known.
+    pub fn of(&self, lines: &Lines, text: &str, span: Span) -> [(i64, i64); 2] {
+        let range = lines.range(text, span.start as usize..span.end as usize);
         [range.start, range.end].map(|position| {
             (i64::from(position.line) + self.first_line, i64::from(position.character) + self.first_column)
         })
@@ -54,13 +54,13 @@ pub fn meant(system: &System<Robot>, meant: &Source) -> Option<SourceId> {
     }
 }
 
-/// The first line, from 1, at or behind a line in which a run can stop.
-pub fn stopping_line(system: &System<Robot>, id: SourceId, line: usize) -> Option<usize> {
+/// The lines, from 1, in which a run can stop. Cost: linear in the program.
+pub fn stopping_lines(system: &System<Robot>, id: SourceId) -> BTreeSet<usize> {
     let text = &system.program.sources.get(id).text;
     let lines = Lines::of(text);
     let steps = system.program.codes.iter().flat_map(|code| {
         let steps = code.ops.iter().zip(&code.spans).filter(|(op, span)| op.is_step() && span.source == id);
         steps.map(|(_, span)| span.start as usize)
     });
-    steps.map(|start| lines.line(start) + 1).filter(|&found| found >= line).min()
+    steps.map(|start| lines.line(start) + 1).collect()
 }

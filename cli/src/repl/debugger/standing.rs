@@ -5,6 +5,7 @@ use crate::repl::listings::value_text;
 use crate::repl::own_text::{is_hidden, is_own};
 use crate::repl::present::standing;
 use rpl_editor::dap::messages::{StackFrame, Variable};
+use rpl_editor::lines::Lines;
 use rpl_lang::code::GlobalKind;
 use rpl_lang::symbol::Symbol;
 use rpl_mission::robot::Robot;
@@ -13,6 +14,7 @@ use rpl_runtime::run::system::System;
 use rpl_runtime::run::variables::StandingCall;
 use rpl_runtime::state::value::Value;
 use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
 
 /// The scopes that are the same for every frame.
 const FLUENTS: i64 = 1;
@@ -56,17 +58,22 @@ impl Frames {
         };
         let stop = stop.filter(|stop| machine.tasks.find_alive(stop.task) == Some(task));
         let calls = machine.calls(&system.program, task).into_iter().enumerate();
+        // Many calls stand in few texts.
+        let mut texts = BTreeMap::new();
         let frames = calls.filter_map(|(depth, call)| {
             let span = stop.filter(|_| depth == 0).map_or(call.span, |stop| stop.span);
             if is_hidden(system, span) {
                 return None;
             }
             self.0.push((task, depth));
-            let [(line, column), (end_line, end_column)] = counting.of(system, span);
+            let text = &system.program.sources.get(span.source).text;
+            let (lines, source) =
+                texts.entry(span.source).or_insert_with(|| (Lines::of(text), source(system, span.source)));
+            let [(line, column), (end_line, end_column)] = counting.of(lines, text, span);
             Some(StackFrame {
                 id: self.0.len() as i64,
                 name: machine.symbols.name(call.name).to_string(),
-                source: source(system, span.source),
+                source: source.clone(),
                 line,
                 column,
                 end_line,
@@ -79,7 +86,7 @@ impl Frames {
 
     /// The call of a frame.
     fn call(&self, system: &System<Robot>, frame: i64) -> Option<StandingCall> {
-        let &(task, depth) = self.0.get(usize::try_from(frame - 1).ok()?)?;
+        let &(task, depth) = self.0.get(usize::try_from(frame.checked_sub(1)?).ok()?)?;
         system.machine.calls(&system.program, task).into_iter().nth(depth)
     }
 
@@ -95,7 +102,7 @@ impl Frames {
             FLUENTS => fluents(system),
             VALVES => valves(system),
             frame => {
-                let seen = self.variables_of(system, Some(frame - FIRST_FRAME));
+                let seen = self.variables_of(system, frame.checked_sub(FIRST_FRAME));
                 let shown = seen
                     .into_iter()
                     .map(|(name, value)| variable(system.machine.symbols.name(name), value_text(system, value)));
@@ -114,7 +121,7 @@ impl Frames {
 pub fn scopes(frame: i64) -> Json {
     let scope = |name: &str, reference: i64, hint: Option<&str>| json!({ "name": name, "variablesReference": reference, "expensive": false, "presentationHint": hint });
     json!([
-        scope("Variables", FIRST_FRAME + frame, Some("locals")),
+        scope("Variables", FIRST_FRAME.saturating_add(frame), Some("locals")),
         scope("Fluents", FLUENTS, None),
         scope("Valves", VALVES, None)
     ])
