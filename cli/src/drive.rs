@@ -3,7 +3,7 @@
 use crate::interrupt;
 use crate::journal::RunJournal;
 use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
-use crate::seen::{SteeredTurn, Steering};
+use crate::seen::{Live, SteeredTurn, Steering};
 use crate::show::events::{self, ToldLine};
 use crate::show::whereabouts::whereabouts;
 use crate::terminal::console::Console;
@@ -297,7 +297,15 @@ impl RunDriver<'_> {
         if let Some(steering) = self.records.steering() {
             steering.attend(self.system);
         }
+        self.tell_trouble();
         self.hold();
+    }
+
+    /// Says why the page does not answer.
+    fn tell_trouble(&mut self) {
+        if let Some(trouble) = self.records.live.as_mut().and_then(Live::trouble) {
+            self.console.note(&trouble.to_string());
+        }
     }
 
     /// Stands still until the page lets the run go on, or the process is told to stop; then the clock begins anew.
@@ -310,6 +318,7 @@ impl RunDriver<'_> {
             if !steering.attend(self.system) {
                 std::thread::sleep(HOLD_NAP);
             }
+            self.tell_trouble();
         }
         let pace = self.records.steering().and_then(Steering::take_pace);
         if let Some(factor) = pace {
@@ -432,6 +441,7 @@ impl RunDriver<'_> {
             if self.records.steering().is_some_and(|steering| steering.attend(self.system)) {
                 return false;
             }
+            self.tell_trouble();
             std::thread::sleep(left.min(NAP));
         }
         true

@@ -88,7 +88,7 @@ impl PreparedRun {
             console.print(&summary.as_json()?)?;
         }
         console.flush()?;
-        if let Some(live) = &self.records.live {
+        if let Some(live) = &mut self.records.live {
             live.stay(console);
         }
         kept?;

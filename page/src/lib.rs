@@ -5,7 +5,7 @@
 //! page itself ([`report`]): it keeps a state now and then, so that any instant is near one.
 //!
 //! It knows no task, no robot and no simulator: who has them says in the words of the series what is to be seen. Nothing
-//! here can change a run; what a person asks for on the page comes out as [`server::Asked`], and the driver of the run
+//! here can change a run; what a person asks for on the page comes out as [`server::news::Asked`], and the driver of the run
 //! decides what becomes of it.
 //!
 //! Read in this order: [`place`], [`belief`], [`series`], [`html`], [`report`], [`server`]; then `assets`, the page itself.

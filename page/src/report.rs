@@ -68,11 +68,12 @@ pub fn run_in(report: &str) -> Result<Series, ReportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::{Head, Seen};
+    use crate::series::{Head, Seen, SeriesWriter};
 
     fn run() -> Series {
         let mut run = Series::new(&Head { plan: "</script> \"q\"".into(), ..Head::default() });
-        (0..1000).for_each(|at| run.add(at * 1000, &Seen::Targets(vec![[at as i32, 0]])));
+        let mut writer = SeriesWriter::default();
+        (0..1000).for_each(|at| run.add(&writer.lines(at * 1000, [Seen::Targets(vec![[at as i32, 0]])])));
         run
     }
 

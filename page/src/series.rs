@@ -12,7 +12,8 @@ use serde::Serialize;
 /// The layout of head and lines.
 pub const VERSION: u32 = 1;
 
-/// A series takes no more room than this, some hundred hours of a robot. What comes later is not seen, and the page says so.
+/// The lines of a series are no longer than this, some hundred hours of a robot. What comes later is not seen, and the page
+/// says so.
 pub const MOST_BYTES: usize = 512 << 20;
 
 /// What does not change in a run.
@@ -273,18 +274,17 @@ pub struct Series {
     head: String,
     /// The lines, each ended.
     lines: Vec<u8>,
-    is_full: bool,
 }
 
 impl Series {
     /// A run at its start.
     pub fn new(head: &Head) -> Self {
-        Self { head: json(head), lines: Vec::new(), is_full: false }
+        Self { head: json(head), lines: Vec::new() }
     }
 
-    /// One that was written before; nothing is added to it.
+    /// One that was written before.
     pub fn written(head: String, lines: Vec<u8>) -> Self {
-        Self { head, lines, is_full: true }
+        Self { head, lines }
     }
 
     /// The head, as JSON.
@@ -297,22 +297,37 @@ impl Series {
         &self.lines
     }
 
-    /// Adds what has changed.
-    pub fn add(&mut self, time_us: u64, seen: &Seen) {
-        if self.is_full {
-            return;
-        }
-        self.push(&json(&(time_us, seen)));
-        if self.lines.len() >= MOST_BYTES {
-            self.push(&json(&(time_us, &Seen::Full(true))));
-            self.is_full = true;
-        }
+    /// Adds lines, each ended.
+    pub fn add(&mut self, lines: &str) {
+        self.lines.extend_from_slice(lines.as_bytes());
     }
+}
 
-    fn push(&mut self, line: &str) {
-        self.lines.extend_from_slice(line.as_bytes());
-        self.lines.push(b'\n');
+/// Writes lines of a series, as long as there is room.
+#[derive(Clone, Debug, Default)]
+pub struct SeriesWriter {
+    bytes: usize,
+}
+
+impl SeriesWriter {
+    /// The lines that say what has changed, each ended; none when the series is full, and the last one says that it is.
+    pub fn lines(&mut self, time_us: u64, seen: impl IntoIterator<Item = Seen>) -> String {
+        let mut lines = String::new();
+        if self.bytes >= MOST_BYTES {
+            return lines;
+        }
+        seen.into_iter().for_each(|seen| push_line(&mut lines, time_us, &seen));
+        self.bytes += lines.len();
+        if self.bytes >= MOST_BYTES {
+            push_line(&mut lines, time_us, &Seen::Full(true));
+        }
+        lines
     }
+}
+
+fn push_line(lines: &mut String, time_us: u64, seen: &Seen) {
+    lines.push_str(&json(&(time_us, seen)));
+    lines.push('\n');
 }
 
 /// Structures of names, numbers and lists can always be written.
@@ -326,21 +341,21 @@ mod tests {
 
     #[test]
     fn a_line_is_a_time_and_what_has_changed() {
-        let mut series = Series::new(&Head { series: VERSION, ..Head::default() });
+        let mut writer = SeriesWriter::default();
         let robot = Robot { estimate: [1, -2, 3], certainty: 990, speed: None, truth: None };
-        series.add(200_000, &Seen::Robot(robot));
-        series.add(200_000, &Seen::Fluent(Fluent { name: "cups".into(), value: Some("1".into()), by: "main".into() }));
+        let cups = Fluent { name: "cups".into(), value: Some("1".into()), by: "main".into() };
         assert_eq!(
-            String::from_utf8_lossy(series.lines()),
+            writer.lines(200_000, [Seen::Robot(robot), Seen::Fluent(cups)]),
             "[200000,{\"robot\":{\"estimate\":[1,-2,3],\"certainty\":990}}]\n\
              [200000,{\"fluent\":{\"name\":\"cups\",\"value\":\"1\",\"by\":\"main\"}}]\n"
         );
     }
 
     #[test]
-    fn nothing_is_added_to_what_was_written_before() {
-        let mut series = Series::written("{}".into(), b"[0,{}]\n".to_vec());
-        series.add(1, &Seen::Targets(Vec::new()));
-        assert_eq!(series.lines(), b"[0,{}]\n");
+    fn a_series_that_is_full_says_so_once() {
+        let mut writer = SeriesWriter { bytes: MOST_BYTES - 1 };
+        let last = writer.lines(1, [Seen::Targets(Vec::new())]);
+        assert_eq!(last, "[1,{\"targets\":[]}]\n[1,{\"full\":true}]\n");
+        assert_eq!(writer.lines(2, [Seen::Targets(Vec::new())]), "");
     }
 }

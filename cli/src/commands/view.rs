@@ -20,7 +20,6 @@ use clap::ValueHint;
 use rpl_link::recording::RecordedTurns;
 use rpl_page::report::{report, run_in};
 use rpl_page::series::{Series, Text};
-use rpl_page::server::{Shared, lock};
 use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::sensors::RangeSensors;
 use std::io::Read;
@@ -101,8 +100,8 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     match live.report {
         Some(path) => OutputFile::open(&path, "the report")?.write(html.as_bytes())?,
         None => {
-            let _server = live.serve(html, Shared::default(), console)?;
-            stay(console);
+            let mut server = live.serve(html, String::new(), console)?;
+            stay(|| server.as_mut()?.trouble(), console);
         }
     }
     Ok(Status::Succeeded)
@@ -149,7 +148,7 @@ fn of_trace(reader: &mut TraceReader, header: &Header, truth: bool, console: &mu
     let sensors = RangeSensors { sonars: None, laser: None };
     let robot = world.is_some().then_some((&sensors, &limits));
     let head = head(header, texts.into_iter().collect(), world.as_ref(), robot, truth);
-    let mut feed = Feed::new(Series::new(&head), truth);
+    let mut feed = Feed::new(Some(Series::new(&head)), None, truth);
     let mut poses = 0;
     while let Some(line) = reader.next() {
         // Poses that stand before a line were read with it.
@@ -161,9 +160,7 @@ fn of_trace(reader: &mut TraceReader, header: &Header, truth: bool, console: &mu
         events::in_order(&event, Vec::new(), false).iter().for_each(|told| feed.told(time_us, told));
     }
     reader.poses[poses..].iter().for_each(|pose| feed.pose(pose));
-    let seen = feed.shared();
-    let series = std::mem::take(&mut lock(&seen).series);
-    Ok(series)
+    Ok(feed.into_kept().unwrap_or_default())
 }
 
 /// A run with a journal is computed again as far as it came, and shown meanwhile. The journal stays as it is.

@@ -7,33 +7,51 @@ use crate::show::events::{ToldLine, detail};
 use crate::trace::TracedPose;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
-use rpl_page::series::{Fluent, Seen, Series, Told, ToldKind};
-use rpl_page::server::{Shared, lock};
+use rpl_page::series::{Fluent, Seen, Series, SeriesWriter, Told, ToldKind};
+use rpl_page::server::news::News;
 use rpl_runtime::state::trace::{Event, EventKind};
+use std::sync::mpsc::Sender;
 
 /// Writes what is seen of a run.
 pub struct Feed {
     tasks: TaskView,
     robot: RobotView,
-    seen: Shared,
+    writer: SeriesWriter,
+    /// All of it, if it is needed afterwards.
+    kept: Option<Series>,
+    /// The page of the run that goes on, if there is one.
+    page: Option<Sender<News>>,
 }
 
 impl Feed {
     /// Of a run at its start; where the robot really is only if that is to be seen.
-    pub fn new(series: Series, truth: bool) -> Self {
-        let seen = Shared::default();
-        lock(&seen).series = series;
-        Self { tasks: TaskView::default(), robot: RobotView::new(truth), seen }
+    pub fn new(kept: Option<Series>, page: Option<Sender<News>>, truth: bool) -> Self {
+        let (tasks, robot, writer) = (TaskView::default(), RobotView::new(truth), SeriesWriter::default());
+        Self { tasks, robot, writer, kept, page }
     }
 
-    /// What is seen, for who shows it.
-    pub fn shared(&self) -> Shared {
-        self.seen.clone()
+    /// All that was seen so far, if it was kept.
+    pub fn kept(&self) -> Option<&Series> {
+        self.kept.as_ref()
     }
 
-    fn add(&self, time_us: u64, seen: impl IntoIterator<Item = Seen>) {
-        let mut run = lock(&self.seen);
-        seen.into_iter().for_each(|seen| run.series.add(time_us, &seen));
+    /// All that was seen, if it was kept.
+    pub fn into_kept(self) -> Option<Series> {
+        self.kept
+    }
+
+    fn add(&mut self, time_us: u64, seen: impl IntoIterator<Item = Seen>) {
+        let lines = self.writer.lines(time_us, seen);
+        if lines.is_empty() {
+            return;
+        }
+        if let Some(kept) = &mut self.kept {
+            kept.add(&lines);
+        }
+        if let Some(page) = &self.page {
+            // A page that has broken off is told of by itself.
+            page.send(News::Lines(lines)).ok();
+        }
     }
 
     /// Takes in what happened.

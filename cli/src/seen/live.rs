@@ -13,7 +13,9 @@ use rpl_mission::site::Site;
 use rpl_page::html::{Source, page};
 use rpl_page::report::report;
 use rpl_page::series::{Series, Text};
-use rpl_page::server::{Access, RunState, Server, Shared, lock};
+use rpl_page::server::Server;
+use rpl_page::server::access::Access;
+use rpl_page::server::news::{RunState, Trouble};
 use rpl_robot::world::World;
 use rustix::rand::{GetRandomFlags, getrandom};
 use std::net::{SocketAddr, ToSocketAddrs};
@@ -51,16 +53,16 @@ impl LiveArguments {
         self.live.is_some() || self.report.is_some()
     }
 
-    /// Serves a page, and what it asks for of a run, if that is wanted, and says where.
+    /// Serves a page, and what it asks for of a run with this head of its series, if that is wanted, and says where.
     ///
     /// # Errors
     /// The address cannot be had.
-    pub fn serve(&self, page: String, seen: Shared, console: &mut Console) -> Result<Option<Server>> {
+    pub fn serve(&self, page: String, head: String, console: &mut Console) -> Result<Option<Server>> {
         let Some(address) = &self.live else { return Ok(None) };
         let address = socket_address(address)?;
         let needs_token = self.control || !address.ip().is_loopback();
         let access = Access { token: needs_token.then(token).transpose()?, control: self.control };
-        let server = Server::start(address, access, page, seen).with_context(|| {
+        let server = Server::start(address, access, page, head).with_context(|| {
             format!("cannot serve the page at {address}; another port can be given: `--live :0` takes a free one")
         })?;
         console.note(&format!("the run is shown at {}", server.link));
@@ -142,11 +144,12 @@ impl Live {
         let office = site.office().filter(|_| world.is_some());
         let robot = office.map(|office| (&office.sensors, &office.limits));
         let series = Series::new(&head(run, texts, world, robot, arguments.truth));
-        let feed = Feed::new(series, arguments.truth);
         let report = arguments.report.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
         let title = head::title(run);
-        let server = arguments.serve(page(&title, Source::Server, ""), feed.shared(), console)?;
-        let steering = server.map(|server| Steering::new(server, feed.shared(), arguments.control, run.plan.clone()));
+        let server = arguments.serve(page(&title, Source::Server, ""), series.head().to_string(), console)?;
+        let news = server.as_ref().map(|server| server.news.clone());
+        let feed = Feed::new(report.is_some().then_some(series), news, arguments.truth);
+        let steering = server.map(|server| Steering::new(server, arguments.control, run.plan.clone()));
         Ok(Some(Self { feed, steering, title, report }))
     }
 
@@ -155,9 +158,8 @@ impl Live {
     /// # Errors
     /// It cannot be written.
     pub fn end(&mut self) -> Result<()> {
-        if let Some(file) = self.report.take() {
-            let seen = self.feed.shared();
-            file.write(report(&self.title, &[&lock(&seen).series])?.as_bytes())?;
+        if let (Some(file), Some(series)) = (self.report.take(), self.feed.kept()) {
+            file.write(report(&self.title, &[series])?.as_bytes())?;
         }
         if let Some(steering) = &mut self.steering {
             steering.stand(RunState::Ended);
@@ -165,22 +167,30 @@ impl Live {
         Ok(())
     }
 
+    /// Why the page does not answer, if there is one and that was not told before.
+    pub fn trouble(&mut self) -> Option<Trouble> {
+        self.steering.as_mut()?.trouble()
+    }
+
     /// Keeps the page until Ctrl-C, if there is one.
-    pub fn stay(&self, console: &mut Console) {
-        if self.steering.is_some() {
-            stay(console);
+    pub fn stay(&mut self, console: &mut Console) {
+        if let Some(steering) = &mut self.steering {
+            stay(|| steering.trouble(), console);
         }
     }
 }
 
-/// Keeps a page until Ctrl-C.
-pub fn stay(console: &mut Console) {
+/// Keeps a page until Ctrl-C, and tells its troubles.
+pub fn stay(mut trouble: impl FnMut() -> Option<Trouble>, console: &mut Console) {
     if interrupt::is_asked() {
         return;
     }
     let _meaning = interrupt::gives_prompt_back();
     console.note("the page stays until Ctrl-C");
     while !interrupt::is_asked() {
+        if let Some(trouble) = trouble() {
+            console.note(&trouble.to_string());
+        }
         thread::sleep(NAP);
     }
 }

@@ -5,7 +5,8 @@ use crate::repl::breakpoint::Breakpoint;
 use crate::repl::halt::{Halt, Until};
 use crate::repl::stopping::{Places, Stopping, condition_met};
 use rpl_mission::robot::Robot;
-use rpl_page::server::{Asked, RunState, Server, Shared, Standing, lock};
+use rpl_page::server::Server;
+use rpl_page::server::news::{Asked, News, RunState, Standing, Trouble};
 use rpl_runtime::run::stepping::{Stepped, Stop};
 use rpl_runtime::run::system::{System, Turn};
 
@@ -24,8 +25,9 @@ pub enum SteeredTurn {
 /// The page's hand on a run.
 pub struct Steering {
     server: Server,
-    seen: Shared,
     standing: Standing,
+    /// As the page was told.
+    told: Standing,
     /// The text that a line without a name means.
     file: String,
     until: Until,
@@ -38,13 +40,11 @@ pub struct Steering {
 
 impl Steering {
     /// Of a run at its start.
-    pub fn new(server: Server, seen: Shared, control: bool, file: String) -> Self {
-        let standing = Standing { control, ..Standing::default() };
-        lock(&seen).standing = standing.clone();
-        Self {
+    pub fn new(server: Server, control: bool, file: String) -> Self {
+        let mut steering = Self {
             server,
-            seen,
-            standing,
+            standing: Standing { control, ..Standing::default() },
+            told: Standing::default(),
             file,
             until: Until::End,
             breakpoints: Vec::new(),
@@ -52,7 +52,14 @@ impl Steering {
             stop: None,
             is_pace_new: false,
             is_stop_asked: false,
-        }
+        };
+        steering.publish();
+        steering
+    }
+
+    /// Why the page does not answer, if that was not told before.
+    pub fn trouble(&mut self) -> Option<Trouble> {
+        self.server.trouble()
     }
 
     /// Whether the run is to stand still.
@@ -84,10 +91,10 @@ impl Steering {
 
     fn publish(&mut self) {
         self.standing.breakpoints = self.breakpoints.iter().map(Breakpoint::to_string).collect();
-        let mut run = lock(&self.seen);
-        if run.standing != self.standing {
-            run.standing = self.standing.clone();
-            run.revision += 1;
+        if self.told != self.standing {
+            self.told.clone_from(&self.standing);
+            // A page that has broken off is told of by itself.
+            self.server.news.send(News::Standing(Box::new(self.standing.clone()))).ok();
         }
     }
 
