@@ -28,6 +28,7 @@ mod json;
 mod keys;
 mod language_server;
 mod layout;
+mod live;
 mod localize;
 mod modules;
 mod new;

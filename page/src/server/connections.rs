@@ -20,12 +20,14 @@ pub struct Connections {
     most: usize,
     next: u64,
     open: BTreeMap<u64, Connection>,
+    /// With those that gave way and are not closed yet.
+    taken: usize,
 }
 
 impl Connections {
     /// Room for so many.
     pub fn new(most: usize) -> Self {
-        Self { most, next: 0, open: BTreeMap::new() }
+        Self { most, next: 0, open: BTreeMap::new(), taken: 0 }
     }
 
     /// The number that the next one gets.
@@ -42,6 +44,12 @@ impl Connections {
         }
         self.open.insert(self.next, Connection { network: network(from), may_look: false, task });
         self.next += 1;
+        self.taken += 1;
+    }
+
+    /// Whether somebody who gave way is not gone yet.
+    pub fn is_crowded(&self) -> bool {
+        self.taken > self.most
     }
 
     /// A request that may be answered has come.
@@ -54,6 +62,7 @@ impl Connections {
     /// It is closed.
     pub fn closed(&mut self, number: u64) {
         self.open.remove(&number);
+        self.taken -= 1;
     }
 
     /// Those who have shown that they may look stay for as long as there are others; of these, or else of all, the oldest

@@ -95,18 +95,16 @@ impl Desk {
         }
     }
 
-    /// Whether a request is from somebody who may look; if not, what is answered.
-    pub fn may_look(&self, request: &Request<Incoming>) -> Result<(), Response<Parts>> {
-        if !self.access.is_meant(request.uri(), request.headers(), self.address) {
-            return Err(refused(StatusCode::FORBIDDEN, "the page is served under another name"));
-        }
-        match self.access.allows(request.uri().query().unwrap_or("")) {
-            true => Ok(()),
-            false => Err(refused(
-                StatusCode::FORBIDDEN,
-                "the link needs its token: it was printed where the run was started",
-            )),
-        }
+    /// What a request is answered that is not from somebody who may look.
+    pub fn refusal(&self, request: &Request<Incoming>) -> Option<Response<Parts>> {
+        let why = if !self.access.is_meant(request.uri(), request.headers(), self.address) {
+            "the page is served under another name"
+        } else if !self.access.allows(request.uri().query().unwrap_or("")) {
+            "the link needs its token: it was printed where the run was started"
+        } else {
+            return None;
+        };
+        Some(refused(StatusCode::FORBIDDEN, why))
     }
 
     /// The answer to a request of somebody who may look.
@@ -124,7 +122,7 @@ impl Desk {
             }
             (&Method::POST, "/ask") => match timeout(self.question, question(request.into_body())).await {
                 Ok(Ok(question)) => self.ask(&question),
-                Ok(Err(refusal)) => refusal,
+                Ok(Err((status, why))) => refused(status, why),
                 Err(_) => refused(StatusCode::REQUEST_TIMEOUT, "what is asked for did not come"),
             },
             _ => refused(StatusCode::NOT_FOUND, "there is nothing here; the page is at /"),
@@ -168,15 +166,15 @@ impl Desk {
 }
 
 /// The body of a request, which is short.
-async fn question(mut body: Incoming) -> Result<Vec<u8>, Response<Parts>> {
+async fn question(mut body: Incoming) -> Result<Vec<u8>, (StatusCode, &'static str)> {
     let mut question = Vec::new();
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
         let Ok(frame) = frame else {
-            return Err(refused(StatusCode::BAD_REQUEST, "what is asked for was cut off"));
+            return Err((StatusCode::BAD_REQUEST, "what is asked for was cut off"));
         };
         question.extend_from_slice(frame.data_ref().map_or(&[], |data| data));
         if question.len() > LONGEST_QUESTION {
-            return Err(refused(StatusCode::PAYLOAD_TOO_LARGE, "nothing that long can be asked for"));
+            return Err((StatusCode::PAYLOAD_TOO_LARGE, "nothing that long can be asked for"));
         }
     }
     Ok(question)

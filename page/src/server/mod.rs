@@ -11,7 +11,7 @@
 //!
 //! Anybody can connect, and nobody can keep others from the page, or the run from going on. Run and page share nothing: each
 //! hands over what it has to tell and does not wait for the other. One thread serves all connections at once, behind
-//! everything else that the machine computes; how many there are, how long each lasts and what is kept of it have [limits].
+//! everything else that the machine computes; how many there are, how long each lasts and what is kept of it have limits.
 //!
 //! Read in this order: [`news`], [`access`], `limits`, `lines`, `answer`, `desk`, `connections`.
 
@@ -47,7 +47,7 @@ use std::thread;
 use std::time::Duration;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::runtime::{self, Runtime};
-use tokio::task::{LocalSet, spawn_local};
+use tokio::task::{LocalSet, spawn_local, yield_now};
 use tokio::time::{sleep, timeout};
 
 /// The head of a request is no longer, and no more of an answer is laid out before the system takes it.
@@ -175,6 +175,9 @@ impl Service {
                 }
                 Ok((stream, from)) => {
                     self.welcome(stream, from);
+                    while self.connections.borrow().is_crowded() {
+                        yield_now().await;
+                    }
                     continue;
                 }
                 // Whoever came has gone already.
@@ -211,12 +214,12 @@ impl Place {
         stream.set_nodelay(true).ok();
         let Service { limits, desk, connections } = &*self.service;
         let answer = service_fn(|request: Request<Incoming>| async move {
-            Ok::<_, Infallible>(match desk.may_look(&request) {
-                Ok(()) => {
+            Ok::<_, Infallible>(match desk.refusal(&request) {
+                Some(refusal) => refusal,
+                None => {
                     connections.borrow_mut().may_look(self.number);
                     desk.answer(request).await
                 }
-                Err(refusal) => refusal,
             })
         });
         let mut http = http1::Builder::new();

@@ -205,6 +205,7 @@ fn heads_have_bounds() {
     for (first, more) in [
         ("GET /", headers(10_000)),
         ("GET /", headers(200)),
+        ("GET /", format!("X: {}\r\n", "y".repeat(64 << 10))),
         ("GET /", format!("X: {}\r\n", "y".repeat(20 << 20))),
         (&*format!("GET /{}", "y".repeat(20 << 20)), String::new()),
     ] {
