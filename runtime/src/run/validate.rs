@@ -49,7 +49,8 @@ impl Machine {
         ensure(self.current == NONE, "a task runs between two steps")?;
         ensure(self.now_us <= u64::MAX / 4, "the clock has run out")?;
         ensure(self.instant <= MAX_COUNT && self.next_identity <= u64::MAX / 2, "a counter has run out")?;
-        let has_main = self.main != SCRATCH_TASK && self.tasks.get(self.main).is_some();
+        // It is asked for after its end.
+        let has_main = self.main != SCRATCH_TASK && self.tasks.get(self.main).is_some_and(|main| main.exposed);
         ensure(has_main && self.tasks.get(SCRATCH_TASK).is_some(), "there is no main task")?;
         for &value in self.globals.iter().chain(&self.constants) {
             self.validate_value(bounds, value)?;

@@ -169,6 +169,16 @@ fn a_run_replaced_by_its_saved_copy_at_every_step_goes_on_alike() {
 }
 
 #[test]
+fn a_main_task_that_would_be_forgotten_at_its_end_is_refused() {
+    let text = "(print 1)";
+    let mut system = start(text);
+    let main = system.machine.main;
+    system.machine.tasks[main].exposed = false;
+    let refused = load(text, &system.save()).err();
+    assert_eq!(refused, Some(SaveError::Inconsistent("there is no main task".to_string())));
+}
+
+#[test]
 fn the_programs_do_what_they_are_for() {
     let last = |name: &str| {
         let (_, text) = PROGRAMS.iter().find(|(known, _)| *known == name).expect("a program of the list");
