@@ -27,8 +27,7 @@ pub fn ros_map(name: &Path) -> Result<MapFile> {
     let path = if name.is_dir() { name.join(MAP_FILE) } else { name.to_path_buf() };
     let shown = path.shown();
     let text = short_text(&path).map_err(|reason| anyhow!("cannot read the map `{shown}`: {reason}"))?;
-    let map =
-        RosMap::parse(&text, &shown).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
+    let map = RosMap::parse(&text, &shown).map_err(|error| anyhow!("the map `{shown}` has faults\n{error}"))?;
     let image_path = path.parent().unwrap_or(Path::new(".")).join(&map.image);
     let image_name = image_path.shown();
     let bytes = read_bytes(&image_path, MAX_BYTES)
