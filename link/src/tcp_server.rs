@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 /// How often somebody who wants to connect is looked for.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// Whoever connects says who it is within this time.
+/// Whoever connects says who it is within this time, and takes what it is told within it.
 const GREETING: Duration = Duration::from_secs(5);
 
 /// Percepts that wait for a mission to take them; one that lets more wait is gone for the host.
@@ -103,6 +103,7 @@ struct Mission {
     connection: u64,
     percepts: Sender<String>,
     stream: TcpStream,
+    came: Instant,
     greeted: bool,
     /// Where time and odometry were when its first commands came; none before.
     began: Option<(u64, Pose)>,
@@ -122,6 +123,9 @@ type Events = (Sender<(u64, Event)>, Receiver<(u64, Event)>);
 struct Server<'a, H> {
     host: &'a mut H,
     listener: TcpListener,
+    /// Whether it was told that nobody can be let in, since somebody was.
+    is_full: bool,
+    greeting: Duration,
     service: Service,
     tell: &'a mut dyn FnMut(Notice),
     events: Events,
@@ -145,10 +149,24 @@ pub fn serve<H: Host>(
     is_stopped: &dyn Fn() -> bool,
     tell: &mut dyn FnMut(Notice),
 ) -> io::Result<ServiceRecord> {
+    serve_greeted(GREETING, host, listener, service, is_stopped, tell)
+}
+
+/// As [`serve`], to whoever says within this time who it is.
+fn serve_greeted<H: Host>(
+    greeting: Duration,
+    host: &mut H,
+    listener: TcpListener,
+    service: Service,
+    is_stopped: &dyn Fn() -> bool,
+    tell: &mut dyn FnMut(Notice),
+) -> io::Result<ServiceRecord> {
     listener.set_nonblocking(true)?;
     let mut server = Server {
         host,
         listener,
+        is_full: false,
+        greeting,
         service,
         tell,
         events: bounded(MOST_EVENTS),
@@ -238,37 +256,51 @@ impl<H: Host> Server<'_, H> {
     }
 
     fn look_for_missions(&mut self) {
-        loop {
+        let is_late = |mission: &Mission| !mission.greeted && mission.came.elapsed() > self.greeting;
+        if self.mission.as_ref().is_some_and(is_late) {
+            self.leave(Some(format!("it has not said who it is within {} s", self.greeting.as_secs_f64())));
+        }
+        for _ in 0..MOST_EVENTS {
             match self.listener.accept() {
-                Ok((stream, address)) => self.welcome(stream, address),
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Ok((stream, address)) => {
+                    self.is_full = false;
+                    if let Err(error) = self.welcome(stream, address) {
+                        (self.tell)(Notice::Refused(format!("{address} cannot be served: {error}")));
+                    }
+                }
                 // Nobody is there; or whoever was has gone already.
-                Err(_) => return,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) if [ErrorKind::Interrupted, ErrorKind::ConnectionAborted].contains(&error.kind()) => {}
+                Err(error) => {
+                    if !std::mem::replace(&mut self.is_full, true) {
+                        (self.tell)(Notice::Refused(format!("nobody can be let in for now: {error}")));
+                    }
+                    return;
+                }
             }
         }
     }
 
-    fn welcome(&mut self, stream: TcpStream, address: SocketAddr) {
+    fn welcome(&mut self, stream: TcpStream, address: SocketAddr) -> io::Result<()> {
         if self.mission.is_some() {
             self.refuse(&stream, format!("another mission is here; {address} has to wait"));
-            return;
+            return Ok(());
         }
-        let ready = stream
-            .set_nonblocking(false)
-            .and_then(|()| stream.set_nodelay(true))
-            .and_then(|()| stream.set_read_timeout(Some(GREETING)))
-            .and_then(|()| stream.set_write_timeout(Some(GREETING)))
-            .and_then(|()| Ok((stream.try_clone()?, stream.try_clone()?)));
-        let Ok((reading, writing)) = ready else { return };
+        stream.set_nonblocking(false)?;
+        stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(GREETING))?;
+        let (reading, writing) = (stream.try_clone()?, stream.try_clone()?);
         self.connections += 1;
         let (connection, events) = (self.connections, self.events.0.clone());
         let (percepts, to_write) = bounded(MOST_UNSENT);
-        thread::spawn(move || read_commands(reading, connection, &events));
-        thread::spawn(move || write_percepts(writing, &to_write));
+        // The writer ends with what it is told.
+        thread::Builder::new().spawn(move || write_percepts(writing, &to_write))?;
+        thread::Builder::new().spawn(move || read_commands(reading, connection, &events))?;
         self.mission = Some(Mission {
             connection,
             percepts,
             stream,
+            came: Instant::now(),
             greeted: false,
             began: None,
             next: 0,
@@ -277,6 +309,7 @@ impl<H: Host> Server<'_, H> {
             unanswered: VecDeque::new(),
         });
         (self.tell)(Notice::Came(address));
+        Ok(())
     }
 
     fn refuse(&mut self, mut stream: &TcpStream, why: String) {
@@ -410,10 +443,7 @@ fn read_commands(stream: TcpStream, connection: u64, events: &Sender<(u64, Event
         };
         let event = match read(&line) {
             Ok(ToHost::Commands(commands)) => Event::Commands(commands, Instant::now()),
-            Ok(ToHost::Hello(hello)) => {
-                reading.get_ref().set_read_timeout(None).ok();
-                Event::Greeted(hello)
-            }
+            Ok(ToHost::Hello(hello)) => Event::Greeted(hello),
             Ok(ToHost::Bye(Bye { reason: None })) => break "it has said goodbye".to_string(),
             Ok(ToHost::Bye(Bye { reason: Some(reason) })) => break format!("it has said goodbye: {reason}"),
             Err(why) => break format!("it has sent what is no message: {why}"),
@@ -465,38 +495,66 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_mission_is_told_why_its_host_is_lost() {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let address = listener.local_addr().expect("an address");
-        let mission = thread::spawn(move || {
-            let mut stream = TcpStream::connect(address).expect("somebody listens");
-            let hello = MissionHello { protocol: PROTOCOL, rpl: "1".to_string(), robot: "fly".to_string() };
-            let commands = CommandsMessage::new(0, &Commands::default());
-            for message in [ToHost::Hello(hello), ToHost::Commands(commands)] {
-                stream.write_all(written(&message).as_bytes()).expect("it hears");
-            }
-            let mut reading = BufReader::new(stream);
-            std::iter::from_fn(|| match read_line(&mut reading) {
-                ReadLine::Text(line) => Some(read(&line).expect("a message")),
-                ReadLine::End | ReadLine::Fault(_) => None,
-            })
-            .collect::<Vec<FromHost>>()
-        });
-        let service = Service {
+    fn service() -> Service {
+        Service {
             robot: "fly".to_string(),
             period_us: 1_000,
             factor: 1.0,
             until_us: None,
             once: false,
             start_known: false,
-        };
-        let record = serve(&mut Mayfly { steps: 0 }, listener, service, &|| false, &mut |_| {}).expect("a listener");
+        }
+    }
+
+    /// All that a mission is told that greets and commands.
+    fn told(address: SocketAddr) -> Vec<FromHost> {
+        let mut stream = TcpStream::connect(address).expect("somebody listens");
+        let hello = MissionHello { protocol: PROTOCOL, rpl: "1".to_string(), robot: "fly".to_string() };
+        let commands = CommandsMessage::new(0, &Commands::default());
+        for message in [ToHost::Hello(hello), ToHost::Commands(commands)] {
+            stream.write_all(written(&message).as_bytes()).expect("it hears");
+        }
+        let mut reading = BufReader::new(stream);
+        std::iter::from_fn(|| match read_line(&mut reading) {
+            ReadLine::Text(line) => Some(read(&line).expect("a message")),
+            ReadLine::End | ReadLine::Fault(_) => None,
+        })
+        .collect()
+    }
+
+    #[test]
+    fn a_mission_is_told_why_its_host_is_lost() {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let mission = thread::spawn(move || told(address));
+        let record = serve(&mut Mayfly { steps: 0 }, listener, service(), &|| false, &mut |_| {}).expect("a listener");
         let told = mission.join().expect("a mission");
         assert!(matches!(&told[0], FromHost::Hello(hello) if !hello.start_known), "{told:?}");
         assert!(matches!(&told[1], FromHost::Percept(percept) if percept.number == 0), "{told:?}");
         let why = "the wheels say nothing".to_string();
         assert_eq!(told[2..], [FromHost::Bye(Bye { reason: Some(why.clone()) })]);
         assert_eq!((record.percepts, record.lost), (1, Some(HostLost(why))));
+    }
+
+    #[test]
+    fn whoever_drips_a_greeting_keeps_no_mission_away() {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let mission = thread::spawn(move || {
+            let mut dripping = TcpStream::connect(address).expect("somebody listens");
+            dripping.set_read_timeout(Some(Duration::from_millis(2))).expect("it can be set");
+            // One byte after the other, until it is told something.
+            let drips = (0..2_000).take_while(|_| dripping.write_all(b" ").is_ok() && dripping.peek(&mut [0]).is_err());
+            assert!(drips.count() < 2_000, "it is let drip");
+            told(address)
+        });
+        let mut notices = Vec::new();
+        let greeting = Duration::from_millis(50);
+        let mut tell = |notice| notices.push(notice);
+        let is_stopped = || mission.is_finished();
+        serve_greeted(greeting, &mut Mayfly { steps: 0 }, listener, service(), &is_stopped, &mut tell)
+            .expect("a listener");
+        assert!(matches!(&mission.join().expect("a mission")[0], FromHost::Hello(_)));
+        assert_eq!(notices[1], Notice::Went("it has not said who it is within 0.05 s".to_string()));
     }
 }
