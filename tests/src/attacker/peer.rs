@@ -57,7 +57,7 @@ fn speak(mut mission: TcpStream, script: &Script) {
 }
 
 const HELLO: &str =
-    "{\"type\":\"hello\",\"protocol\":1,\"robot\":\"b21\",\"period_us\":50000,\"factor\":1.0,\"start_known\":true}\n";
+    "{\"type\":\"hello\",\"protocol\":2,\"robot\":\"b21\",\"period_us\":50000,\"factor\":1.0,\"start_known\":true}\n";
 
 fn percept(number: u64, time_us: u64, x_m: f64) -> String {
     let sonars = ["2.5"; 24].join(",");

@@ -10,8 +10,9 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A mission that says nothing more has lost the robot to others within this time.
-const ROBOT_IS_FREE: Duration = Duration::from_secs(12);
+/// A mission that says nothing more has lost the robot to others within this time: the patience of the simulator, and
+/// the time that others take.
+const ROBOT_IS_FREE: Duration = Duration::from_secs(6);
 
 /// So many connections are held open at a time.
 const MOST_HELD: usize = 200;
@@ -30,7 +31,7 @@ pub(super) fn start(command: &Path, folder: &Path) -> Result<Box<dyn Surface>, S
 }
 
 /// The greeting of a mission for the robot that is served.
-const HELLO: &str = "{\"type\":\"hello\",\"protocol\":1,\"rpl\":\"1\",\"robot\":\"b21\"}\n";
+const HELLO: &str = "{\"type\":\"hello\",\"protocol\":2,\"rpl\":\"1\",\"robot\":\"b21\",\"mission\":\"good\"}\n";
 
 fn commands(number: u64) -> String {
     format!(
@@ -42,7 +43,8 @@ impl Simulator {
     fn bytes(&self, dice: &mut Dice) -> (&'static str, Vec<u8>) {
         let whole = HELLO.to_string() + &commands(0) + &commands(1);
         let named = |name: &str| {
-            format!("{{\"type\":\"hello\",\"protocol\":1,\"rpl\":{name},\"robot\":{name}}}\n").into_bytes()
+            format!("{{\"type\":\"hello\",\"protocol\":2,\"rpl\":{name},\"robot\":{name},\"mission\":{name}}}\n")
+                .into_bytes()
         };
         match dice.below(9) {
             0 => ("silence", Vec::new()),
