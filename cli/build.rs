@@ -1,6 +1,8 @@
 //! Lists the example plans, so that the command carries them in itself, and says which version it is, and of which
 //! sources.
 
+#![expect(clippy::disallowed_methods, reason = "Cargo and the compiler read the paths, and no terminal")]
+
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};

@@ -50,7 +50,7 @@ impl<R: BufRead> Frames<R> {
     ///
     /// # Errors
     /// The stream ends within a message, or cannot be read.
-    pub fn next(&mut self) -> io::Result<Option<Result<Value, Malformed>>> {
+    pub fn read(&mut self) -> io::Result<Option<Result<Value, Malformed>>> {
         let Some(header) = self.header()? else { return Ok(None) };
         let length = match header {
             Ok(length) if length <= MOST_BYTES => length,
@@ -220,7 +220,7 @@ mod tests {
         let mut frames = Frames::new(bytes);
         let mut read = Vec::new();
         loop {
-            match frames.next() {
+            match frames.read() {
                 Ok(Some(one)) => read.push(one.map_err(|Malformed(why)| why)),
                 Ok(None) => return (read, true),
                 Err(_) => return (read, false),

@@ -3,6 +3,7 @@
 use super::file::{Header, POSE, TracedPose, VERSION};
 use crate::files::inputs;
 use anyhow::{Result, anyhow, bail};
+use rpl_lang::visible::visible;
 use rpl_mission::sight::Sight;
 use rpl_robot::geometry::Pose;
 use rpl_runtime::state::time::LAST_INSTANT_US;
@@ -54,10 +55,12 @@ impl TraceReader {
     pub fn open(name: &str) -> Result<Self> {
         let input: Box<dyn BufRead> = match name {
             "-" => Box::new(BufReader::new(io::stdin())),
-            _ => Box::new(BufReader::new(
-                inputs::open(Path::new(name)).map_err(|reason| anyhow!("cannot read the trace `{name}`: {reason}"))?,
-            )),
+            _ => {
+                let unread = |reason| anyhow!("cannot read the trace `{}`: {reason}", visible(name));
+                Box::new(BufReader::new(inputs::open(Path::new(name)).map_err(unread)?))
+            }
         };
+        let name = visible(name);
         let mut reader = Self {
             name: name.to_string(),
             header: None,

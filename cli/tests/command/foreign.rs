@@ -227,7 +227,7 @@ fn the_journal_of_a_session_starts_nothing() {
     let parts = frames::read(&written[8..]).whole;
     let head = String::from_utf8(parts[0].to_vec()).expect("JSON");
     let module = folder.join("marking.toml");
-    let named = format!("\"modules\":[{{\"name\":\"marking.toml\",\"checksum\":0}}]");
+    let named = "\"modules\":[{\"name\":\"marking.toml\",\"checksum\":0}]";
     let path = format!("\"modules\":[\"{}\"]", module.display());
     let [before, between, after] = head.split("\"modules\":[]").collect::<Vec<_>>()[..] else { panic!("{head}") };
     let mut forged = written[..8].to_vec();

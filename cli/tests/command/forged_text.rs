@@ -7,11 +7,11 @@ use rpl_lang::visible::is_invisible;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 
-/// Clears the screen in three ways, reorders, hides, and begins a line of its own.
-const FORGED: &str = "a\nerror: forged\u{1b}[31m\u{1b}[2J\u{9b}2J\r\u{202e}\u{200b}b";
+/// Clears the screen in two ways, reorders, hides, and begins a line of its own. Short enough to be shown whole.
+const FORGED: &str = "a\nerror: forged\u{1b}[2J\u{9b}2J\r\u{202e}\u{200b}b";
 
 /// The beginning of it, as it is shown.
-const SHOWN: &str = "a\\nerror: forged\\u{1b}[31m\\u{1b}[2J\\u{9b}2J\\r\\u{202e}\\u{200b}b";
+const SHOWN: &str = "a\\nerror: forged\\u{1b}[2J\\u{9b}2J\\r\\u{202e}\\u{200b}b";
 
 /// What a command has said is all to be seen, and has no line that is another's.
 fn assert_clean(what: &str, found: &Ended) {

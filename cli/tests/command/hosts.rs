@@ -286,7 +286,7 @@ fn a_served_host_outlives_what_is_no_mission() {
             "commands before it greets",
         ),
         ("{\"type\":\"commands\",\"number\":0,\"translation_mps\":1e999,\"rotation_radps\":0}\n", "out of range"),
-        ("{\"type\":\"bye\"}\n", "said goodbye"),
+        ("{\"type\":\"bye\"}\n", "it says goodbye"),
     ] {
         let heard = answer(&host.address, line);
         assert!(heard.contains("\"bye\"") && heard.contains(why), "{line}: {heard}");

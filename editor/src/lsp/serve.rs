@@ -57,7 +57,7 @@ fn next(session: &Session<'_>, heard: &Receiver<io::Result<Heard>>) -> Option<io
 fn read_on(from: impl BufRead, heard: &SyncSender<io::Result<Heard>>) {
     let mut frames = Frames::new(from);
     loop {
-        let message = match frames.next() {
+        let message = match frames.read() {
             Ok(Some(Ok(message))) => Ok(Heard::of(message)),
             Ok(Some(Err(Malformed(why)))) => Ok(Heard::malformed(ErrorCode::ParseError, why)),
             Ok(None) => return,

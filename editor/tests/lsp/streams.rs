@@ -16,7 +16,7 @@ fn said(pieces: &[Vec<u8>]) -> (io::Result<Ending>, Vec<Value>) {
     let ending = serve(&Files::default(), Cursor::new(pieces.concat()), &mut out);
     let mut frames = Frames::new(out.as_slice());
     let mut said = Vec::new();
-    while let Some(message) = frames.next().expect("it is whole") {
+    while let Some(message) = frames.read().expect("it is whole") {
         said.push(message.expect("it is a message"));
     }
     (ending, said)

@@ -38,7 +38,7 @@ impl OccupancyGrid {
     /// The part with free cells and one cell around it: what cannot be stood in needs no belief. The
     /// whole grid if nothing is free.
     pub fn around_free(&self) -> Self {
-        let (mut columns, mut rows): (Option<(usize, usize)>, Option<(usize, usize)>) = (None, None);
+        let (mut columns, mut rows) = (None::<(usize, usize)>, None::<(usize, usize)>);
         for (row, cells) in self.cells.chunks_exact(self.columns.max(1)).enumerate() {
             let Some(first) = cells.iter().position(|&cell| cell == Cell::Free) else { continue };
             let last = cells.iter().rposition(|&cell| cell == Cell::Free).unwrap_or(first);

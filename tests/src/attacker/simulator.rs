@@ -83,7 +83,9 @@ impl Simulator {
             }
             thread::sleep(Duration::from_millis(20));
         }
-        Err(format!("a mission has not got the robot within {} s: {last}", within.as_secs()))
+        let errors = self.victim.errors();
+        let told = errors.lines().rev().take(9).collect::<Vec<_>>().join("; ");
+        Err(format!("a mission has not got the robot within {} s: {last}; the last it told: {told}", within.as_secs()))
     }
 }
 

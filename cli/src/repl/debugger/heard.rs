@@ -22,7 +22,7 @@ pub enum Heard {
 pub(super) fn read_on(heard: &Sender<Heard>) {
     let mut frames = Frames::new(BufReader::new(io::stdin()));
     loop {
-        let said = match frames.next() {
+        let said = match frames.read() {
             Ok(Some(Ok(message))) => match of(message) {
                 Some(heard) => heard,
                 None => continue,
