@@ -28,9 +28,11 @@ mod terminal;
 mod trace;
 mod version;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser};
 use commands::{Command, CommandLine, completions};
 use hosts::HostArguments;
+use rpl_lang::visible::visible;
 use status::Status;
 use std::env;
 use std::ffi::OsString;
@@ -62,7 +64,7 @@ fn status_of(words: Vec<OsString>) -> Status {
         }
         Err(error) => {
             colour::choose(colour::asked_in(words));
-            return answered(commands::with_suggestion(error));
+            return answered(on_one_line(commands::with_suggestion(error)));
         }
     };
     let quiet = match &command {
@@ -83,6 +85,18 @@ fn status_of(words: Vec<OsString>) -> Status {
             Status::Wrong
         }
     }
+}
+
+/// What was typed stands on one line in what is said of it, with what steers a terminal written out.
+fn on_one_line(mut error: clap::Error) -> clap::Error {
+    let typed = |(kind, value): (ContextKind, &ContextValue)| match value {
+        ContextValue::String(text) => Some((kind, ContextValue::String(visible(text).into_owned()))),
+        _ => None,
+    };
+    for (kind, value) in error.context().filter_map(typed).collect::<Vec<_>>() {
+        error.insert(kind, value);
+    }
+    error
 }
 
 /// What clap itself answers: help, the version, or what is wrong with the command line.

@@ -24,7 +24,8 @@ struct Simulator {
 }
 
 pub(super) fn start(command: &Path, folder: &Path) -> Result<Box<dyn Surface>, String> {
-    let mut victim = Victim::start(command, folder, &["simulate", "--world", "test-room", "--listen", "127.0.0.1:0"])?;
+    let arguments = ["simulate", "--world", "test-room", "--listen", "127.0.0.1:0", "--patience", "2s"];
+    let mut victim = Victim::start(command, folder, &arguments)?;
     let address = victim.says("listening at ")?;
     let address = address.trim().parse().map_err(|_| format!("`{address}` is no address"))?;
     Ok(Box::new(Simulator { victim, address, held: Vec::new() }))
@@ -85,26 +86,28 @@ impl Simulator {
         }
         let errors = self.victim.errors();
         let told = errors.lines().rev().take(9).collect::<Vec<_>>().join("; ");
-        Err(format!("a mission has not got the robot within {} s: {last}; the last it told: {told}", within.as_secs()))
+        Err(format!(
+            "a mission has not got the robot within {} s: {}; the last it told: {told}",
+            within.as_secs(),
+            last.trim()
+        ))
     }
 }
 
 impl Surface for Simulator {
     fn attack(&mut self, dice: &mut Dice) -> Judged {
         let (kind, bytes) = self.bytes(dice);
-        let mut within = IN_TIME;
+        let sent = bytes.clone();
+        // Whoever was held before and has greeted by now has the robot for as long as it may.
+        let within = ROBOT_IS_FREE;
         if let Ok(mut stream) = TcpStream::connect_timeout(&self.address, IN_TIME) {
             stream.set_write_timeout(Some(IN_TIME / 10)).ok();
             match dice.below(8) {
                 0 => {
                     stream.write_all(&bytes).ok();
                     self.held.push((stream, Vec::new()));
-                    within = ROBOT_IS_FREE;
                 }
-                1 => {
-                    self.held.push((stream, bytes));
-                    within = ROBOT_IS_FREE;
-                }
+                1 => self.held.push((stream, bytes)),
                 _ => drop(stream.write_all(&bytes)),
             }
         }
@@ -112,7 +115,9 @@ impl Surface for Simulator {
         while self.held.len() > MOST_HELD {
             self.held.remove(0);
         }
-        self.serves(within).and_then(|()| self.victim.look()).map_err(|finding| format!("{kind}: {finding}"))?;
+        self.serves(within)
+            .and_then(|()| self.victim.look())
+            .map_err(|finding| format!("{kind}: {finding}; sent {:.400}", String::from_utf8_lossy(&sent)))?;
         Ok(kind)
     }
 
