@@ -22,6 +22,8 @@ pub struct Victim {
     errors: PathBuf,
     out: PathBuf,
     bytes_at_rest: u64,
+    /// How much of what it wrote to standard error was looked at.
+    looked_at: usize,
 }
 
 /// The streams of a process, if somebody speaks with it.
@@ -63,7 +65,7 @@ impl Victim {
             .spawn()
             .map_err(|error| format!("the command cannot be run: {error}"))?;
         let streams = child.stdin.take().zip(child.stdout.take());
-        Ok((Self { child, errors, out: folder.join("out"), bytes_at_rest: u64::MAX }, streams))
+        Ok((Self { child, errors, out: folder.join("out"), bytes_at_rest: u64::MAX, looked_at: 0 }, streams))
     }
 
     /// What it has written to standard error.
@@ -110,7 +112,10 @@ impl Victim {
         if bytes > self.bytes_at_rest.saturating_add(MORE_BYTES) {
             return Err(format!("it took {} MB more than at rest", (bytes - self.bytes_at_rest) >> 20));
         }
-        look_at_words(&self.errors())
+        let errors = self.errors();
+        let told = errors.get(self.looked_at..).unwrap_or_default();
+        self.looked_at = errors.len();
+        look_at_words(told)
     }
 
     /// Waits for its end.
