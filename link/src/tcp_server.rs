@@ -198,6 +198,8 @@ type Events = (Sender<(u64, Event)>, Receiver<(u64, Event)>);
 struct Server<'a, H> {
     host: &'a mut H,
     listener: TcpListener,
+    /// Whether it was told that nobody can be let in, since somebody was.
+    is_full: bool,
     service: Service,
     tell: &'a mut dyn FnMut(Notice),
     events: Events,
@@ -235,6 +237,7 @@ pub fn serve<H: Host>(
     let mut server = Server {
         host,
         listener,
+        is_full: false,
         service,
         tell,
         events: bounded(MOST_EVENTS),
@@ -334,10 +337,19 @@ impl<H: Host> Server<'_, H> {
     fn look_for_missions(&mut self) -> bool {
         for _ in 0..MOST_LET_IN {
             match self.listener.accept() {
-                Ok((stream, address)) => self.let_in(stream, address),
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                // Nobody is there; or whoever was has gone already.
-                Err(_) => return false,
+                Ok((stream, address)) => {
+                    self.is_full = false;
+                    self.let_in(stream, address);
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return false,
+                // Whoever was there has gone already.
+                Err(error) if [ErrorKind::Interrupted, ErrorKind::ConnectionAborted].contains(&error.kind()) => {}
+                Err(error) => {
+                    if !std::mem::replace(&mut self.is_full, true) {
+                        (self.tell)(Notice::Refused(format!("nobody can be let in for now: {error}")));
+                    }
+                    return false;
+                }
             }
         }
         true
@@ -362,7 +374,10 @@ impl<H: Host> Server<'_, H> {
             .set_nonblocking(false)
             .and_then(|()| stream.set_nodelay(true))
             .and_then(|()| Ok(MessageLines::new(stream.try_clone()?, line)));
-        let Ok(lines) = ready else { return };
+        let lines = match ready {
+            Ok(lines) => lines,
+            Err(error) => return self.refuse(&stream, format!("{address} cannot be listened to: {error}")),
+        };
         self.connections += 1;
         let (connection, events) = (self.connections, self.events.0.clone());
         let reader = thread::Builder::new().spawn(move || read_commands(lines, greeting, connection, &events));
@@ -437,10 +452,12 @@ impl<H: Host> Server<'_, H> {
     }
 
     fn welcome(&mut self, connection: u64, stream: TcpStream, address: SocketAddr, said: MissionHello, at: Instant) {
-        let Ok(writing) = stream.try_clone() else { return };
         let (percepts, to_write) = bounded(self.service.most_unsent());
         let (_, line) = self.service.times();
-        if let Err(error) = thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write)) {
+        let writer = stream
+            .try_clone()
+            .and_then(|writing| thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write)));
+        if let Err(error) = writer {
             return self.refuse(&stream, format!("{address} cannot be spoken to: {error}"));
         }
         let hello = HostHello {

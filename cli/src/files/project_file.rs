@@ -5,7 +5,7 @@ use super::inputs;
 use crate::files::shown::Shown;
 use crate::terminal::console::Console;
 use anyhow::{Result, anyhow, bail};
-use rpl_lang::visible::clause;
+use rpl_robot::file_text::Finding;
 use serde::Deserialize;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -118,10 +118,9 @@ impl ProjectFile {
         let name = file.shown();
         let text = inputs::read_text(file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
         let known: Self = toml::from_str(&text).map_err(|error| {
-            // The library shows the whole line, raw, however long it is.
-            let before = &text[..text.floor_char_boundary(error.span().map_or(0, |span| span.start))];
-            let (line, of_line) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default());
-            anyhow!("`{name}` has faults: {line}:{}: {}", of_line.chars().count() + 1, clause(error.message()))
+            let help = "project files are TOML, see toml.io";
+            let finding = Finding::new(&name, &text, error.span().unwrap_or(0..0), "", error.message(), help);
+            anyhow!("`{name}` has faults\n{finding}")
         })?;
         let beside = |named: String| {
             let there = file.with_file_name(&named);

@@ -9,7 +9,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, ChildStdout};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread;
 
 /// A plan that drives, and ends by itself.
@@ -272,6 +272,26 @@ fn answer(address: &str, line: &str) -> String {
     let mut heard = String::new();
     stream.read_to_string(&mut heard).expect("it closes the line");
     heard
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn it_is_told_that_nobody_can_be_let_in_and_a_mission_gets_the_robot_when_there_is_room() {
+    let program = rpl(&["simulate", "--world", "test-room", "--listen", "127.0.0.1:0", "--speed", "20", "--once"]);
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "ulimit -n 24; exec \"$0\" \"$@\""]).arg(program.get_program()).args(program.get_args());
+    let mut child = limited.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut out = BufReader::new(child.stdout.take().expect("it is piped")).lines().map_while(Result::ok);
+    let address = out.find_map(|line| Some(line.strip_prefix("listening at ")?.to_string())).expect("it listens");
+    let crowd: Vec<TcpStream> = (0..40).map(|_| TcpStream::connect(&address).expect("there is a line")).collect();
+    let mut told = BufReader::new(child.stderr.take().expect("it is piped")).lines().map_while(Result::ok);
+    assert!(told.any(|line| line.contains("Too many open files")), "it is not told");
+    drop(crowd);
+    let plan = put(&folder("host-full"), "plan.rpl", "(wait-time 1)");
+    let found = mission(&plan, &address, &[]);
+    assert_eq!(found.status, 0, "{}", found.errors);
+    assert!(told.filter(|line| line.contains("nobody can be let in")).count() <= 1, "it is told once");
+    child.wait().expect("it ends");
 }
 
 #[test]
