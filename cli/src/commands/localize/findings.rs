@@ -6,6 +6,7 @@ use crate::experiment::statistics::{Proportion, quantile};
 use rpl_robot::localization::Calibration;
 use rpl_robot::recording::PoseError;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// What some trials showed, in any windows of one drive.
 ///
@@ -112,14 +113,14 @@ fn stretch(timed: &Timed) -> usize {
 
 /// The sums of the groups, in their order.
 fn summed(tallies: impl Iterator<Item = (usize, (usize, usize))>) -> Vec<(usize, usize)> {
-    let mut sums: Vec<(usize, usize)> = Vec::new();
+    // A drive that leaps has stretches as far apart as its numbers go.
+    let mut sums: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
     for (group, (count, of)) in tallies {
-        sums.resize(sums.len().max(group + 1), (0, 0));
-        sums[group].0 += count;
-        sums[group].1 += of;
+        let sum = sums.entry(group).or_default();
+        sum.0 += count;
+        sum.1 += of;
     }
-    sums.retain(|sum| sum.1 > 0);
-    sums
+    sums.into_values().filter(|sum| sum.1 > 0).collect()
 }
 
 fn judged(timed: &Timed) -> impl Iterator<Item = Judged> {
@@ -171,5 +172,8 @@ mod tests {
     fn what_begins_in_one_stretch_is_counted_together() {
         let tallies = [(0, (1, 1)), (3, (0, 1)), (0, (0, 1)), (3, (1, 1))];
         assert_eq!(summed(tallies.into_iter()), [(1, 2), (1, 2)]);
+        // A log may say that the robot is anywhere.
+        let leap = [(usize::MAX, (1, 1)), (1 << 60, (0, 0)), (0, (0, 1))];
+        assert_eq!(summed(leap.into_iter()), [(0, 1), (1, 1)]);
     }
 }
