@@ -74,7 +74,7 @@ impl Surroundings for Files {
     }
 
     fn places(&self, path: &Path, world: Option<&str>) -> Option<KnownPlaces> {
-        let beside = world.map(|world| path.with_file_name(world)).filter(|file| file.exists());
+        let beside = world.map(|world| path.with_file_name(world)).filter(|file| file.is_file());
         let named = beside.map(|file| file.to_string_lossy().into_owned());
         places_of(named.as_deref().or(world).unwrap_or(USUAL_WORLD), None).ok()
     }

@@ -7,6 +7,7 @@ use rpl_lang::compile::Loader;
 use rpl_lang::suggest::suggest;
 use rpl_lang::visible::visible;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -31,7 +32,7 @@ pub enum Folder {
     BuiltIn,
     /// No folder, but what was loaded from one, be it among the built-in examples.
     Kept {
-        /// All that was loaded.
+        /// All that was loaded, in the order of [`KeptLoad::wanted`].
         loads: Arc<[KeptLoad]>,
         /// From where.
         is_built_in: bool,
@@ -39,7 +40,7 @@ pub enum Folder {
 }
 
 /// A text that a plan has loaded.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct KeptLoad {
     /// The text that loads it, by its name.
     from: String,
@@ -53,12 +54,33 @@ pub struct KeptLoad {
     pub text: String,
 }
 
-/// What this process has loaded, so that a journal can have it too.
-static LOADED: Mutex<Vec<KeptLoad>> = Mutex::new(Vec::new());
+impl KeptLoad {
+    /// What a plan asks for to be given this text.
+    fn wanted(&self) -> (&str, &str, bool) {
+        (&self.from, &self.path, self.is_built_in)
+    }
+}
 
-/// The texts that the plans read so far have loaded, each once.
-pub fn loaded() -> Vec<KeptLoad> {
-    LOADED.lock().unwrap_or_else(PoisonError::into_inner).clone()
+impl Folder {
+    /// What was loaded from a folder, be it among the built-in examples. Of two texts for one question the first counts.
+    pub fn kept(mut loads: Vec<KeptLoad>, is_built_in: bool) -> Self {
+        loads.sort_by(|one, other| one.wanted().cmp(&other.wanted()));
+        Folder::Kept { loads: loads.into(), is_built_in }
+    }
+}
+
+/// What this process has loaded, so that a journal can have it too.
+static LOADED: Mutex<Loaded> = Mutex::new(Loaded { in_order: Vec::new(), known: BTreeSet::new() });
+
+struct Loaded {
+    in_order: Vec<Arc<KeptLoad>>,
+    known: BTreeSet<Arc<KeptLoad>>,
+}
+
+/// The texts that the plans read so far have loaded, each once and in their order, without the first of them.
+pub fn loaded_after(first: usize) -> Vec<KeptLoad> {
+    let loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    loaded.in_order.iter().skip(first).map(|load| (**load).clone()).collect()
 }
 
 /// The plan a user names: a file from the working folder, else a built-in example; `-` is standard
@@ -139,18 +161,17 @@ impl Loader for Folder {
                 (name.to_string(), text.to_string(), true)
             }
             Folder::Kept { loads, is_built_in } => {
-                let is_meant =
-                    |kept: &&KeptLoad| kept.from == from && kept.path == path && kept.is_built_in == *is_built_in;
-                let kept = loads.iter().find(is_meant);
-                let kept = kept.ok_or("the journal does not have it")?;
+                let wanted = (from, path, *is_built_in);
+                let kept = loads.get(loads.partition_point(|kept| kept.wanted() < wanted));
+                let kept = kept.filter(|kept| kept.wanted() == wanted).ok_or("the journal does not have it")?;
                 (kept.name.clone(), kept.text.clone(), *is_built_in)
             }
         };
         let (from, path) = (from.to_string(), path.to_string());
         let load = KeptLoad { from, path, is_built_in, name: name.clone(), text: text.clone() };
-        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
-        if !loaded.contains(&load) {
-            loaded.push(load);
+        let (load, mut loaded) = (Arc::new(load), LOADED.lock().unwrap_or_else(PoisonError::into_inner));
+        if loaded.known.insert(load.clone()) {
+            loaded.in_order.push(load);
         }
         Ok((name, text))
     }
@@ -181,6 +202,9 @@ fn load_from_disk(root: &Path, beside: &Path, path: &str) -> Result<(String, Str
         return Err(OUTSIDE.to_string());
     }
     let name = normal(&wanted).unwrap_or(wanted).to_string_lossy().into_owned();
+    if !found.is_file() {
+        return Err("it is no file".to_string());
+    }
     Ok((name, read_text(&found)?))
 }
 

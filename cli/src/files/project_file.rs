@@ -122,17 +122,22 @@ impl ProjectFile {
             let finding = Finding::new(&name, &text, error.span().unwrap_or(0..0), "", error.message(), help);
             anyhow!("`{name}` has faults\n{finding}")
         })?;
+        // A pipe would hold whoever looks at the project, such as an editor, for ever.
         let beside = |named: String| {
             let there = file.with_file_name(&named);
-            if there.exists() { there.to_string_lossy().into_owned() } else { named }
+            match there.metadata() {
+                Ok(known) if known.is_file() => Ok(there.to_string_lossy().into_owned()),
+                Ok(_) => Err(anyhow!("`{}`, which `{name}` names, is no file", there.shown())),
+                Err(_) => Ok(named),
+            }
         };
         Ok(Self {
             plan: known.plan.map(|plan| file.with_file_name(plan).to_string_lossy().into_owned()),
-            world: known.world.map(beside),
-            robot: known.robot.map(beside),
+            world: known.world.map(beside).transpose()?,
+            robot: known.robot.map(beside).transpose()?,
             seed: known.seed,
             runs: known.runs,
-            modules: known.modules.into_iter().map(beside).collect(),
+            modules: known.modules.into_iter().map(beside).collect::<Result<_>>()?,
         })
     }
 }

@@ -156,7 +156,7 @@ impl KeptRun {
             run,
             plan,
             scenario: scenario.as_ref().map(KeptText::of),
-            loads: plans::loaded(),
+            loads: plans::loaded_after(0),
             modules,
             files: inputs::files().iter().filter_map(|path| KeptFile::now(path)).collect(),
             trace,
@@ -249,7 +249,7 @@ impl KeptRun {
     /// The plan of a session, whose loads are kept elsewhere.
     pub fn text_loading(&self, text: &KeptText, loads: Vec<KeptLoad>) -> PlanText {
         let KeptText { name, text, is_built_in } = text.clone();
-        PlanText { name, text, folder: Folder::Kept { loads: loads.into(), is_built_in } }
+        PlanText { name, text, folder: Folder::kept(loads, is_built_in) }
     }
 
     /// The same, each text exchanged for another.
@@ -258,7 +258,6 @@ impl KeptRun {
         let text = exchange(text);
         let mut loads = self.head.loads.clone();
         loads.iter_mut().for_each(|load| load.text = exchange(std::mem::take(&mut load.text)));
-        let loads = loads.into();
-        PlanText { name, text, folder: Folder::Kept { loads, is_built_in } }
+        PlanText { name, text, folder: Folder::kept(loads, is_built_in) }
     }
 }

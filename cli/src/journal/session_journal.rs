@@ -143,11 +143,10 @@ impl SessionJournal {
     /// # Errors
     /// As for [`SessionJournal::typed`].
     pub fn reached(&mut self, time_us: u64) -> io::Result<()> {
-        let loaded = plans::loaded();
-        for load in loaded.iter().skip(self.loads) {
-            self.write(&Entry::Load(load.clone()), true)?;
+        for load in plans::loaded_after(self.loads) {
+            self.write(&Entry::Load(load), true)?;
+            self.loads += 1;
         }
-        self.loads = loaded.len();
         if time_us > self.time_us {
             self.time_us = time_us;
             self.write(&Entry::Typed(Typed { typed: String::new(), time_us }), false)?;
@@ -157,7 +156,7 @@ impl SessionJournal {
 
     /// What was loaded before is known.
     pub fn knows_loads(&mut self) {
-        self.loads = plans::loaded().len();
+        self.loads += plans::loaded_after(self.loads).len();
     }
 
     fn write(&mut self, entry: &Entry, outlives_power: bool) -> io::Result<()> {

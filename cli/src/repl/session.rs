@@ -124,7 +124,7 @@ impl Session {
     pub fn give_loads(&mut self, loads: Vec<KeptLoad>) {
         self.folder = match loads.is_empty() {
             true => Folder::Disk(".".into()),
-            false => Folder::Kept { loads: loads.into(), is_built_in: false },
+            false => Folder::kept(loads, false),
         };
     }
 
