@@ -48,10 +48,21 @@ pub struct Course {
     credit: [f64; 2],
     /// Percepts in a row that said what cannot be.
     astray: u32,
-    /// For how long sonars, laser, camera and its images have been missing, of those that are on.
-    silent_us: [u64; 4],
+    /// What sonars, laser, camera and its images have told, of those that are on.
+    sensors: [Option<Silence>; 4],
     /// What has failed.
     failed: FailedSensors,
+}
+
+/// A sensor that is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Silence {
+    /// The number of the commands that have switched it on.
+    commands: u64,
+    /// For how long it has been on by all that was commanded.
+    on_us: u64,
+    /// For how long it has been on by what the host says has taken effect, and told nothing.
+    silent_us: u64,
 }
 
 /// What became of a percept.
@@ -74,7 +85,7 @@ impl Course {
             // Before the first percept the robot may have done whatever it can.
             credit: [f64::MAX; 2],
             astray: 0,
-            silent_us: [0; 4],
+            sensors: [None; 4],
             failed: FailedSensors::default(),
         }
     }
@@ -92,7 +103,7 @@ impl Course {
         robot: &RobotDescription,
         reports: &mut Vec<Report>,
     ) -> Result<Astray, String> {
-        self.look_at_sensors(percept, commands, robot, reports)?;
+        self.look_at_sensors(message.commands, percept, commands, robot, reports)?;
         let periods = message.number.saturating_sub(self.next).saturating_add(1);
         let expected_us = periods.saturating_mul(robot.step_us);
         self.next = message.number.saturating_add(1);
@@ -182,9 +193,11 @@ impl Course {
         self.host_odom_in_odom.compose(self.robot_in_host_odom)
     }
 
-    /// What is on and has not failed tells something, or has not been silent for long.
+    /// What is on and has not failed tells something, or has not been silent for long. Commands that have not taken
+    /// effect yet switch nothing on, unless that takes too long.
     fn look_at_sensors(
         &mut self,
+        in_effect: Option<u64>,
         percept: &Percept,
         commands: &Commands,
         robot: &RobotDescription,
@@ -209,13 +222,23 @@ impl Course {
             ("camera", sees, percept.camera.is_some(), 0),
             ("camera.image", sees, has_image, image_us),
         ];
-        for ((name, is_on, tells, its_us), silent_us) in sensors.into_iter().zip(&mut self.silent_us) {
-            *silent_us = if is_on && !tells { silent_us.saturating_add(robot.step_us) } else { 0 };
-            if *silent_us > MOST_SILENT_US.max(its_us) {
+        for ((name, is_on, tells, its_us), sensor) in sensors.into_iter().zip(&mut self.sensors) {
+            if !is_on {
+                *sensor = None;
+                continue;
+            }
+            let silence = sensor.get_or_insert(Silence { commands: self.next, ..Silence::default() });
+            silence.on_us = silence.on_us.saturating_add(robot.step_us);
+            let is_in_effect = in_effect >= Some(silence.commands) || silence.on_us > LONGEST_GAP_US;
+            silence.silent_us = match is_in_effect && !tells {
+                true => silence.silent_us.saturating_add(robot.step_us),
+                false => 0,
+            };
+            if silence.silent_us > MOST_SILENT_US.max(its_us) {
                 return Err(format!(
                     "`{name}` has been missing for {:.1} s, and the robot `{}` has it: a sensor that has failed is named \
                      in `failed`",
-                    *silent_us as f64 / 1e6,
+                    silence.silent_us as f64 / 1e6,
                     robot.name
                 ));
             }
@@ -416,5 +439,23 @@ mod tests {
             assert_eq!(number, 20, "after a second");
             assert_eq!(lost_at(&[failed]), (None, vec![ReportKind::SensorFailed]));
         }
+    }
+
+    #[test]
+    fn sonars_that_were_switched_on_by_commands_under_way_may_be_silent_and_not_for_ever() {
+        let lost_at = |lag: u64, tells_before: bool| {
+            let mut heard = Heard::of("b21");
+            (0_u64..1_000).find(|&number| {
+                heard.commands.sonars_on = number >= 100;
+                let commands = number.checked_sub(lag);
+                let said = PerceptMessage { commands, ..message(number, (number + 1) * PERIOD_US, 0.0) };
+                let sonar_m = said.sonar_m.clone().filter(|_| tells_before && commands < Some(100));
+                heard.take(&PerceptMessage { sonar_m, ..said }).is_err()
+            })
+        };
+        assert_eq!(lost_at(0, true), Some(120), "a second after they were switched on");
+        assert_eq!(lost_at(40, true), Some(160), "a second after that took effect");
+        assert_eq!(lost_at(40, false), Some(160), "the same, of sonars that are off until then");
+        assert_eq!(lost_at(2_000, false), Some(320), "commands that never take effect are no excuse");
     }
 }

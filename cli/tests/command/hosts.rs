@@ -135,7 +135,7 @@ fn what_was_thought_about_on_the_way_is_replayed_as_it_came() {
     let folder = folder("host-thinking");
     let plan = put(&folder, "plan.rpl", THINK);
     let [recording, live, again] = ["run.jsonl", "live.jsonl", "again.jsonl"].map(|name| put(&folder, name, ""));
-    let host = Served::start(&["--speed", "8", "--once"]);
+    let host = Served::start(&["--speed", "4", "--once"]);
     let found = mission(&plan, &host.address, &["--record", &recording, "--trace", &live]);
     assert_eq!(found.status, 0, "{}", found.errors);
     host.summary();

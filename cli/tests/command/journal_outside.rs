@@ -141,7 +141,7 @@ fn a_question_that_was_under_way_is_asked_again() {
         (go-to 'corner))
 (print 'there)";
     put(&folder, "plan.rpl", plan);
-    let host = Served::start(&["--speed", "8"]);
+    let host = Served::start(&["--speed", "4"]);
     let site = ["--world", "test-room", "--grid", "coarse", "--host", &host.address, "--sync", "never"];
     let begun = [&["run", "plan.rpl", "--journal", "j"][..], &site].concat();
     killed_after(4, &folder, &begun);
