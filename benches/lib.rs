@@ -126,7 +126,7 @@ fn anchor_once(interpreter: &Interpreter, stem: &str) -> Option<f64> {
     let output = Command::new(program).args(arguments).arg(&script).output().ok()?;
     if !output.status.success() {
         let error = String::from_utf8_lossy(&output.stderr);
-        println!("{:<12} {} cannot run {}: {}", "", interpreter.name, script.display(), error.trim());
+        println!("{:<12} {} cannot run {}: {}", "", interpreter.name, script.to_string_lossy(), error.trim());
         return None;
     }
     String::from_utf8_lossy(&output.stdout).trim().parse().ok()

@@ -1,5 +1,4 @@
-//! Lists the example plans, so that the command carries them in itself, and says which version it is, and of which
-//! sources.
+//! Says which version the command is, and of which sources.
 
 #![expect(clippy::disallowed_methods, reason = "Cargo and the compiler read the paths, and no terminal")]
 
@@ -9,20 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn main() -> io::Result<()> {
-    let folder = Path::new(&variable("CARGO_MANIFEST_DIR")?).join("../examples");
-    println!("cargo::rerun-if-changed={}", folder.display());
-    let mut plans = Vec::new();
-    collect(&folder, &mut plans)?;
-    let mut list = String::from("&[\n");
-    for plan in &plans {
-        let name = plan.strip_prefix(&folder).map_err(io::Error::other)?;
-        let name = name.to_string_lossy().replace('\\', "/");
-        list += &format!("    ({name:?}, include_str!({:?})),\n", plan.display().to_string());
-    }
-    list += "]\n";
-    fs::write(Path::new(&variable("OUT_DIR")?).join("examples.rs"), list)?;
     println!("cargo::rustc-env=RPL_VERSION={}", version()?);
-    println!("cargo::rustc-env=RPL_SOURCES={:08x}", sources(&plans)?);
+    println!("cargo::rustc-env=RPL_SOURCES={:08x}", sources()?);
     Ok(())
 }
 
@@ -32,15 +19,15 @@ const OUTSIDE: [&str; 2] = ["tests", "benches"];
 /// The checksum of the crates' sources, of the plans that are built in, of the lock file, and of what the compiler and
 /// the target are called: two builds that have it in common give the same run, wherever they were built. How far they
 /// are optimized is left out, since it changes no result; that another target gives the same bits nobody has tried.
-fn sources(plans: &[PathBuf]) -> io::Result<u32> {
+fn sources() -> io::Result<u32> {
     let root = Path::new(&variable("CARGO_MANIFEST_DIR")?).join("..");
-    let mut parts = vec![root.join("Cargo.lock"), root.join("Cargo.toml")];
+    let mut parts = vec![root.join("Cargo.lock"), root.join("Cargo.toml"), root.join("examples")];
     let mut crates = paths_in(&root)?;
     crates.retain(|folder| folder.join("Cargo.toml").exists() && !OUTSIDE.iter().any(|name| folder.ends_with(name)));
     for folder in crates {
         parts.extend(paths_in(&folder)?.into_iter().filter(|part| !part.ends_with("tests")));
     }
-    let mut files = plans.to_vec();
+    let mut files = Vec::new();
     for part in parts {
         println!("cargo::rerun-if-changed={}", part.display());
         files_of(part, &mut files)?;
@@ -93,23 +80,6 @@ fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let answer = String::from_utf8(output.stdout).ok()?.trim().to_string();
     (output.status.success() && !answer.is_empty()).then_some(answer)
-}
-
-/// The plans of a folder, and of those in it; plans beside a manifest of a module or of a crate need what that
-/// brings.
-fn collect(folder: &Path, plans: &mut Vec<PathBuf>) -> io::Result<()> {
-    let paths = paths_in(folder)?;
-    if paths.iter().any(|path| path.extension().is_some_and(|extension| extension == "toml")) {
-        return Ok(());
-    }
-    for path in paths {
-        if path.is_dir() {
-            collect(&path, plans)?;
-        } else if path.extension().is_some_and(|extension| extension == "rpl") {
-            plans.push(path);
-        }
-    }
-    Ok(())
 }
 
 fn variable(name: &str) -> io::Result<String> {

@@ -221,6 +221,6 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--page") {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/speed.md");
         std::fs::write(&path, page(&rows, started.flatten().as_ref()))
-            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            .unwrap_or_else(|error| panic!("{}: {error}", path.to_string_lossy()));
     }
 }

@@ -71,7 +71,7 @@ fn main() -> io::Result<()> {
         return play();
     }
     let report = Report::from_arguments();
-    let program = env::current_exe()?.display().to_string();
+    let program = env::current_exe()?.to_string_lossy().into_owned();
     let question = |name, what| Question::new(name, what, "µs", 100.0, "–");
     let step = question("step", "a step of a module in another process, in lock step");
     report.row(step, || measure(&[program.as_str(), AS_MODULE]));

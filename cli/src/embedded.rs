@@ -2,11 +2,9 @@
 //! worlds and robots by the names that it takes.
 
 use crate::commands::check;
-use crate::files::{plans, robot_files, world_files};
-use crate::show::failure_report::Reporter;
-use crate::show::figures;
-use crate::sites;
 use anyhow::{Result, bail};
+use rpl_drive::show::failure_report::Reporter;
+use rpl_drive::show::figures;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::{PositionBelief, Sight};
 use rpl_mission::site::{Setup, Site};
@@ -17,16 +15,18 @@ use rpl_robot::world::World;
 use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::system::System;
 use rpl_runtime::state::value::Value;
+use rpl_shell::files::{plans, robot_files, world_files};
+use rpl_shell::sites;
 use serde_json::json;
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// Modules within this process.
-pub use crate::files::module_files::{Speaker, within as module_within};
-/// A plan's text: a file, a built-in example, or a text that is at hand.
-pub use crate::files::plans::{Folder, PlanText};
 /// Which build this is: parts of experiments that others have made fit only if they are of the same.
 pub use crate::version::BUILD;
+/// Modules within this process.
+pub use rpl_shell::files::module_files::{Speaker, within as module_within};
+/// A plan's text: a file, a built-in example, or a text that is at hand.
+pub use rpl_shell::files::plans::{Folder, PlanText};
 
 /// Does what the command does with these words, of which the first is its own name. Answers its exit status. It takes
 /// the signals of the process, and writes to its standard output.

@@ -1,45 +1,24 @@
-//! The `rpl` command: files, terminal, wall clock, signals, and threads for runs over many seeds.
-//!
-//! `commands` has a file for each subcommand, and `arguments` what several of them take; `drawing` makes pictures, `mcap` recordings; `drive` runs a
-//! plan, `repl` is the prompt, `experiment` runs a plan over many seeds; `show` says what a run is shown
-//! as, and `terminal` where that goes. What a plan runs with is put together by the crate `mission`.
-//! `embedded` is what programs use that have the command in them.
+//! The `rpl` command: `commands` has a file for each subcommand, with its arguments, its help and what it does. Runs are
+//! driven by the crate `drive`, the prompt is the crate `prompt`, and runs over many seeds are those of `experiments`;
+//! files and terminal are reached by `shell`. `embedded` is what programs use that have the command in them.
 
-mod arguments;
 mod commands;
-mod drawing;
-mod drive;
 pub mod embedded;
-mod experiment;
-mod files;
-mod hosts;
-mod interrupt;
-mod journal;
-mod mcap;
-mod prepared_run;
-mod recorded_run;
-mod repl;
-mod run_record;
-mod seen;
-mod show;
-mod sites;
-mod status;
-mod terminal;
-mod trace;
 mod version;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser};
 use commands::{Command, CommandLine, completions};
-use hosts::HostArguments;
+use rpl_drive::hosts::HostArguments;
 use rpl_lang::visible::visible;
-use status::Status;
+use rpl_shell::interrupt;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::terminal::{colour, console};
 use std::env;
 use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
-use terminal::console::Console;
-use terminal::{colour, console};
 
 /// The command as a program of its own.
 pub fn main() -> ExitCode {

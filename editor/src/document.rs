@@ -43,7 +43,7 @@ impl Document {
     pub fn name(&self) -> String {
         match self.path.as_os_str().is_empty() {
             true => self.uri.as_str().to_string(),
-            false => self.path.display().to_string(),
+            false => self.path.to_string_lossy().into_owned(),
         }
     }
 

@@ -13,7 +13,7 @@ pub fn root() -> PathBuf {
 /// # Panics
 /// If the folder cannot be read.
 pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.to_string_lossy()));
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("a folder can be read").path()).collect();
     paths.sort();
     let is_meant = |path: &Path| path.extension().is_some_and(|found| extensions.iter().any(|known| found == *known));

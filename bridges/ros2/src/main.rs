@@ -177,7 +177,7 @@ fn robot_named(name: &str) -> Result<Arc<RobotDescription>> {
 }
 
 fn token(file: &Path) -> Result<Token> {
-    let cannot = || format!("the token file `{}` is of no use", file.display());
+    let cannot = || format!("the token file `{}` is of no use", file.to_string_lossy());
     let text = text_of(file).with_context(cannot)?;
     Token::new(&text).map_err(|why| anyhow!("the token {why}")).with_context(cannot)
 }

@@ -1,17 +1,9 @@
 //! `rpl cases FILE`: a case memory of a robot, what it would retrieve, and what is wrong with it.
 
-use crate::arguments::completion;
-use crate::files::case_files::{self, CaseGround, faulty};
-use crate::files::outputs::OutputFile;
-use crate::files::{robot_files, world_files};
-use crate::show::place_figures;
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::terminal::page::Block;
-use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, anyhow, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::show::place_figures;
 use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::world::World;
 use rpl_rupart::case::{Case, Content, Kind};
@@ -21,6 +13,14 @@ use rpl_rupart::maintenance::{Concern, concerns};
 use rpl_rupart::memory::{CaseMemory, CaseNumber};
 use rpl_rupart::places::Places;
 use rpl_rupart::routes::{Competence, Route, Stop, TravelTimes, competences};
+use rpl_shell::arguments::completion;
+use rpl_shell::files::case_files::{self, CaseGround, faulty};
+use rpl_shell::files::outputs::OutputFile;
+use rpl_shell::files::{robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::terminal::page::Block;
+use rpl_shell::terminal::table::{NOTHING, Table};
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -1,15 +1,5 @@
 //! `rpl check FILE...`: all findings in plan texts, without running them.
 
-use crate::arguments::completion;
-use crate::arguments::plan_files;
-use crate::files::module_files::{self, GoingBack, ModuleVoices};
-use crate::files::plans;
-use crate::files::plans::PlanText;
-use crate::files::project_file::ProjectFile;
-use crate::files::robot_files;
-use crate::files::world_files;
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
@@ -19,6 +9,13 @@ use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use rpl_lang::source::{Sources, Span};
 use rpl_lang::visible::visible;
 use rpl_mission::site::{Setup, Site};
+use rpl_shell::arguments::{completion, plan_files};
+use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
+use rpl_shell::files::plans::PlanText;
+use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::{plans, robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use serde::Serialize;
 use std::sync::Arc;
 

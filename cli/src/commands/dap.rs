@@ -1,8 +1,7 @@
 //! `rpl dap`: the debug adapter, over standard input and output.
 
-use crate::repl;
-use crate::status::Status;
 use anyhow::Result;
+use rpl_shell::status::Status;
 
 /// Serves a debugger: breakpoints, steps in both directions, the tasks of a plan
 ///
@@ -17,5 +16,5 @@ pub struct Arguments {}
 /// # Errors
 /// Standard output is closed.
 pub fn run(_: &Arguments) -> Result<Status> {
-    Ok(repl::debug()?)
+    Ok(rpl_prompt::debug()?)
 }

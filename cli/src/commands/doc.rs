@@ -4,15 +4,15 @@
 //! the matter.
 
 use super::CommandLine;
-use crate::arguments::completion::{Offers, beginning_with};
-use crate::show::documentation::{document, with_commands};
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::terminal::pager;
 use anyhow::Result;
 use clap::CommandFactory;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::show::documentation::{document, with_commands};
 use rpl_mission::reference::{Reference, TOPICS};
+use rpl_shell::arguments::completion::{Offers, beginning_with};
+use rpl_shell::pager;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::ffi::OsStr;
 
 /// Documents a name or a topic, searches for a word, or lists all names

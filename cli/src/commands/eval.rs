@@ -1,20 +1,20 @@
 //! `rpl eval EXPR`: the value of a text's last form.
 
-use crate::arguments::site::SiteArguments;
-use crate::drive::{Pace, drive};
-use crate::files::inputs;
-use crate::files::module_files::{GoingBack, ModuleVoices};
-use crate::files::plans::Folder;
-use crate::interrupt;
-use crate::run_record::{Records, RunEnd};
-use crate::show::failure_report::{PLAN_FAILED, Reporter};
-use crate::show::summary::{status, summarize, tell_failed_scenario};
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::Result;
+use rpl_drive::run_driver::{Pace, drive};
+use rpl_drive::run_record::{Records, RunEnd};
+use rpl_drive::show::failure_report::{PLAN_FAILED, Reporter};
+use rpl_drive::show::summary::{status, summarize, tell_failed_scenario};
 use rpl_lang::formatter;
 use rpl_lang::source::SourceId;
 use rpl_runtime::run::system::Outcome;
+use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::files::inputs;
+use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
+use rpl_shell::files::plans::Folder;
+use rpl_shell::interrupt;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::time::Instant;
 
 /// A value that takes more columns is laid out over several lines.

@@ -1,12 +1,12 @@
 //! `rpl examples [NAME]`: the built-in plans, and the text of one.
 
-use crate::arguments::completion;
-use crate::files::examples::{all, find, names};
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Result, bail};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::suggest::suggest;
+use rpl_mission::examples::{all, find, names};
+use rpl_shell::arguments::completion;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 
 /// Lists the built-in plans, or shows one
 #[derive(clap::Args, Clone, Debug)]

@@ -1,21 +1,24 @@
 //! `rpl experiment NAME`: a plan over many seeds, in parallel, as a table.
 
-use crate::arguments::completion;
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::site::FIRST_SEED;
-use crate::experiment::part::merging::Parts;
-use crate::experiment::part::shard::Shard;
-use crate::experiment::{self, Conduct, ExperimentRequest, RunSource};
-use crate::files::inputs::STANDARD_INPUT;
-use crate::files::project_file::ProjectFile;
-use crate::files::robot_files;
-use crate::files::shown::Shown;
-use crate::status::Status;
-use crate::terminal::console::Console;
+use crate::version::BUILD;
 use anyhow::{Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_experiments::part::merging::Parts;
+use rpl_experiments::part::shard::Shard;
+use rpl_experiments::{Conduct, ExperimentRequest, RunSource};
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::site::FIRST_SEED;
+use rpl_shell::files::inputs::STANDARD_INPUT;
+use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::robot_files;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use serde_json::{Map, Value, json};
+use std::env;
+use std::ffi::OsStr;
 use std::num::NonZero;
 use std::path::PathBuf;
 
@@ -25,7 +28,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     #[command(subcommand)]
     merge: Option<Merge>,
-    #[arg(value_name = "NAME", help = what_name_means(), add = ArgValueCompleter::new(completion::experiments))]
+    #[arg(value_name = "NAME", help = what_name_means(), add = ArgValueCompleter::new(known))]
     name: Option<String>,
     /// How many seeds; 20 without
     #[arg(long, value_name = "N", value_parser = runs)]
@@ -46,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     scenario: Option<String>,
     /// Only this row of the table
-    #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(completion::rows))]
+    #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(rows))]
     row: Option<String>,
     /// Drives on the recorded maps below this folder instead: for `buildings`
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
@@ -104,7 +107,7 @@ const MOST_RUNS: u32 = 10_000_000;
 const MOST_JOBS: usize = 1_024;
 
 fn what_name_means() -> String {
-    let names: Vec<String> = experiment::names().map(|(name, _)| format!("`{name}`")).collect();
+    let names: Vec<String> = rpl_experiments::names().map(|(name, _)| format!("`{name}`")).collect();
     format!(
         "{}, or a plan of your own; `-` for standard input; without it, the plan that `rpl.toml` names, in its world",
         names.join(", ")
@@ -141,7 +144,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
             )
         }
     };
-    let findings = experiment::run(&request, how, console)?;
+    let findings = rpl_experiments::run(&request, how, console)?;
     if json {
         console.print(&as_json(&request, findings.figures).to_string())?;
     } else {
@@ -181,6 +184,7 @@ impl Arguments {
             bail!("a part names its plan, and standard input has no name; write the plan into a file");
         }
         Ok(ExperimentRequest {
+            build: BUILD,
             name,
             runs: self.runs.map_or(USUAL_RUNS, NonZero::get),
             jobs: jobs(self.jobs),
@@ -202,9 +206,10 @@ impl Arguments {
 impl MergeArguments {
     /// What was asked for when the parts were made.
     fn request(&self, colour: bool) -> Result<(ExperimentRequest, Conduct)> {
-        let parts = Parts::open(&self.parts)?;
+        let parts = Parts::open(&self.parts, BUILD)?;
         let asked = parts.identity.clone();
         let request = ExperimentRequest {
+            build: BUILD,
             name: asked.experiment,
             runs: asked.runs,
             jobs: jobs(None),
@@ -234,4 +239,19 @@ fn as_json(request: &ExperimentRequest, figures: Value) -> Value {
         object.extend(figures);
     }
     Value::Object(object)
+}
+
+/// Experiments with a name, and plans.
+fn known(typed: &OsStr) -> completion::Offers {
+    let mut found =
+        completion::beginning_with(typed, rpl_experiments::names().map(|(name, _)| (name, "an experiment")));
+    found.extend(completion::plans(typed));
+    found
+}
+
+/// The rows of the experiment that stands in the line.
+fn rows(typed: &OsStr) -> completion::Offers {
+    let words: Vec<String> = env::args().skip_while(|word| word != "experiment").collect();
+    let asked = rpl_experiments::names().filter(|(name, _)| words.iter().skip(1).any(|word| word == name));
+    asked.flat_map(|(_, rows)| completion::beginning_with(typed, rows.into_iter().map(|row| (row, "")))).collect()
 }

@@ -1,9 +1,9 @@
 //! `rpl explain CODE`: what an error or a warning means, from the pages of the book that tell of them.
 
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Result, bail};
 use rpl_lang::suggest::suggest;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 
 /// The pages, each with a section for a code.
 const PAGES: [&str; 2] = [include_str!("../../../docs/errors.md"), include_str!("../../../docs/warnings.md")];

@@ -1,15 +1,14 @@
 //! `rpl fmt FILE...`: plan texts laid out as they should be.
 
-use crate::arguments::completion;
-use crate::arguments::plan_files;
-use crate::files::inputs;
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Result, anyhow};
 use clap_complete::engine::ArgValueCompleter;
 use rpl_lang::diagnostic::render;
 use rpl_lang::formatter;
 use rpl_lang::source::Sources;
+use rpl_shell::arguments::{completion, plan_files};
+use rpl_shell::files::inputs;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use similar::TextDiff;
 use std::fs::{self, File};
 use std::io::{self, Write};

@@ -1,14 +1,15 @@
 //! `rpl journal DIR`: what is in a journal.
 
-use crate::files::inputs;
-use crate::files::shown::Shown;
-use crate::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, PastSession, checkpoint_times};
-use crate::status::Status;
-use crate::terminal::console::Console;
+use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
+use rpl_drive::journal::{self, JournalEnd, KeptRun, LOG, OUTPUT, PastSession, checkpoint_times};
 use rpl_link::journal::folder::taken_by;
 use rpl_link::recording::Typed;
+use rpl_shell::files::inputs;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +33,7 @@ pub struct Arguments {
 /// There is no journal, it is damaged, or it has no such text.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let path = &arguments.journal;
-    let kept = KeptRun::read(path)?;
+    let kept = KeptRun::read(path, BUILD)?;
     if let Some(name) = &arguments.text {
         let Some((_, text)) = kept.head.texts().find(|(known, _)| known == name) else {
             let names: Vec<&str> = kept.head.texts().map(|(name, _)| name).collect();

@@ -1,11 +1,5 @@
 //! `rpl lsp`: the language server, over standard input and output.
 
-use crate::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
-use crate::files::plans::OnDisk;
-use crate::files::project_file::ProjectFile;
-use crate::files::{robot_files, world_files};
-use crate::status::Status;
-use crate::terminal::console;
 use anyhow::Result;
 use rpl_editor::lsp::{Ending, serve};
 use rpl_editor::surroundings::{Setting, Surroundings};
@@ -13,6 +7,12 @@ use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
 use rpl_mission::site::{Setup, Site};
+use rpl_shell::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
+use rpl_shell::files::plans::OnDisk;
+use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::{robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader};

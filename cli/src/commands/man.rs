@@ -1,13 +1,13 @@
 //! `rpl man FOLDER`: manual pages, one for each command.
 
 use super::VERSION;
-use crate::files::outputs::OutputFolder;
-use crate::files::shown::Shown;
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use clap::Command;
 use clap_mangen::Man;
+use rpl_shell::files::outputs::OutputFolder;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::path::PathBuf;
 
 /// Writes manual pages into a folder, one for each command

@@ -1,14 +1,14 @@
 //! `rpl new NAME`: a folder with a plan, its test and `rpl.toml`, that runs as it is.
 
-use crate::arguments::completion;
-use crate::files::project_file::PROJECT_FILE;
-use crate::files::shown::Shown;
-use crate::files::{outputs, robot_files, world_files};
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_shell::arguments::completion;
+use rpl_shell::files::project_file::PROJECT_FILE;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::files::{outputs, robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -1,20 +1,18 @@
 //! `rpl project FILE`: how a mission would probably go on from a moment, as tables.
 
-use crate::arguments::completion;
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::site::SiteArguments;
 use crate::commands::run::load;
-use crate::files::module_files::{GoingBack, ModuleVoices};
-use crate::files::plans;
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::terminal::page::Block;
-use crate::terminal::table::{NOTHING, Table};
 use anyhow::{Result, anyhow, bail};
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::show::projection::blocks;
 use rpl_mission::run::{Reached, run_to};
-use rpl_runtime::state::figures::Figures;
 use rpl_runtime::state::projected::Grain;
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
+use rpl_shell::files::plans;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::ops::ControlFlow::Continue;
 
 /// Tells how a plan would probably go, by what the robot knows
@@ -77,57 +75,4 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 fn parse_grain(text: &str) -> Result<Grain, String> {
     let found = Grain::ALL.into_iter().find(|grain| grain.name() == text);
     found.ok_or_else(|| "there are `abstract`, in events, and `simulated`, step by step".to_string())
-}
-
-/// What runs are called beside those in events.
-fn of_grain(grain: Grain) -> &'static str {
-    match grain {
-        Grain::Abstract => "",
-        Grain::Simulated => "simulated ",
-    }
-}
-
-/// What is told of a projection.
-pub fn blocks(figures: &Figures) -> Vec<Block> {
-    let [share, low, high] = figures.success.map(|share| 100.0 * share);
-    let mut lines = vec![format!(
-        "{} of {} {}runs succeed: success is probable to {share:.0} % (95 % interval {low:.0} to {high:.0} %)",
-        figures.successes,
-        figures.runs,
-        of_grain(figures.grain)
-    )];
-    lines.push(match figures.time_s {
-        Some([early, median, late]) => {
-            format!("they take {median:.0} s; one in ten less than {early:.0} s, one in ten more than {late:.0} s")
-        }
-        None => format!("none succeeds within {:.0} s", figures.horizon_s),
-    });
-    let mut blocks = vec![Block::Lines(lines.join("\n"))];
-    if !figures.failures.is_empty() {
-        let mut table = Table::new(&["what goes wrong", "share", "where", "the first says"]);
-        for failure in &figures.failures {
-            let place = if failure.place.is_empty() { NOTHING.to_string() } else { failure.place.clone() };
-            let share = format!("{:.0} %", 100.0 * failure.share);
-            table.row([failure.class.clone(), share, place, failure.message.clone()]);
-        }
-        blocks.push(Block::Table(table));
-    }
-    if !figures.timeline.is_empty() {
-        let mut table = Table::new(&["step", "share", "begins early [s]", "median", "late"]);
-        for step in &figures.timeline {
-            let share = format!("{:.0} %", 100.0 * step.share);
-            let [early, median, late] = step.begins_s.map(|time_s| format!("{time_s:.0}"));
-            table.row([step.path.clone(), share, early, median, late]);
-        }
-        blocks.push(Block::Table(table));
-    }
-    let mut table = Table::new(&["fluent in the end", "low", "median", "high"]);
-    for fluent in &figures.fluents {
-        let [low, median, high] = fluent.quantiles.map(|number| format!("{number:.2}"));
-        table.row([fluent.name.clone(), low, median, high]);
-    }
-    if !figures.fluents.is_empty() {
-        blocks.push(Block::Table(table));
-    }
-    blocks
 }

@@ -1,24 +1,25 @@
 //! `rpl repl` and `rpl step`: the prompt, and the prompt that stands before the first form of a file.
 
-use crate::arguments::completion;
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::overrides::Overrides;
-use crate::arguments::site::SiteArguments;
-use crate::files::inputs;
-use crate::files::module_files::{GoingBack, ModuleVoices};
-use crate::files::plans::{self, PlanText};
-use crate::files::shown::Shown;
-use crate::hosts::{self, HostArguments, Use};
-use crate::journal::{self, KeptRun, KeptText, PastSession, SessionJournal, Writing};
-use crate::recorded_run::{RecordedRun, RecordedText, RunKind};
-use crate::repl::{self, Intervention, SessionStart, Until};
-use crate::status::Status;
-use crate::terminal::console::Console;
+use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::hosts::{self, HostArguments, Use};
+use rpl_drive::journal::{self, KeptRun, KeptText, PastSession, SessionJournal, Writing};
+use rpl_drive::recorded_run::{RecordedRun, RecordedText, RunKind};
 use rpl_link::recording::RecordedTurns;
+use rpl_prompt::{Intervention, SessionStart, Until};
 use rpl_robot::world::World;
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::overrides::Overrides;
+use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::files::inputs;
+use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
+use rpl_shell::files::plans::{self, PlanText};
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rpl repl` and `rpl step`.
@@ -85,7 +86,7 @@ pub fn run(
         reads: true,
         command_line,
     };
-    let status = repl::run(&site, opening, console)?;
+    let status = rpl_prompt::run(&site, opening, console)?;
     if let Some(recorder) = recorder {
         recorder.finish().context("the recording cannot be written")?;
     }
@@ -132,7 +133,8 @@ fn with_journal(
     let (site, world, _) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
     let recorded = recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?;
-    let kept = KeptRun::new(recorded, plan.as_ref().map(KeptText::of), &site, world.as_ref(), Writing::default())?;
+    let kept =
+        KeptRun::new(BUILD, recorded, plan.as_ref().map(KeptText::of), &site, world.as_ref(), Writing::default())?;
     let journal = SessionJournal::begin(path, &kept)?;
     let opening = SessionStart {
         robot: site.robot(arguments.site.seed()),
@@ -148,7 +150,7 @@ fn with_journal(
         command_line,
     };
     console.note(&format!("what is typed is written to `{shown}`; `rpl repl --journal {shown}` goes on with it"));
-    repl::run(&site, opening, console)
+    rpl_prompt::run(&site, opening, console)
 }
 
 /// The prompt stands where the session of a journal stood, and goes on.
@@ -158,7 +160,7 @@ fn go_on_with(
     command_line: clap::Command,
     console: &mut Console,
 ) -> Result<Status> {
-    let kept = KeptRun::read(path)?;
+    let kept = KeptRun::read(path, BUILD)?;
     journal::refuse_run(path, &kept)?;
     let then = kept.head.run.plan.as_ref().map(|plan| &plan.name);
     let world = kept.head.run.world.as_ref().map(|world| &world.name);
@@ -200,7 +202,7 @@ fn session_of(
         reads: true,
         command_line,
     };
-    repl::run(&site, opening, console)
+    rpl_prompt::run(&site, opening, console)
 }
 
 /// The prompt in the run of a journal: before its first form, at a time, or where the run has come to. The journal
@@ -212,7 +214,7 @@ fn open_journal(
     stops_at_start: bool,
     console: &mut Console,
 ) -> Result<Status> {
-    let kept = KeptRun::read(path)?;
+    let kept = KeptRun::read(path, BUILD)?;
     let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
         return session_of(&kept, PastSession::read(path)?, None, command_line, console);
     };
@@ -249,5 +251,5 @@ fn open_journal(
         reads: true,
         command_line,
     };
-    repl::run(&site, opening, console)
+    rpl_prompt::run(&site, opening, console)
 }

@@ -1,22 +1,21 @@
 //! `rpl replay FILE`: a recorded run again, without the host or the processes that it had.
 
-use crate::arguments::completion;
-use crate::arguments::journal::JournalArguments;
 use crate::commands::run::{self, Output};
-use crate::files::inputs;
-use crate::files::module_files::ModuleVoices;
-use crate::files::plans;
-use crate::files::shown::Shown;
-use crate::hosts;
-use crate::journal::PastSession;
-use crate::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
-use crate::repl::{self, SessionStart, Until};
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::hosts;
+use rpl_drive::journal::PastSession;
+use rpl_drive::recorded_run::{RecordedRun, RecordedText, RunKind, Sameness};
 use rpl_link::recording::Recording;
+use rpl_prompt::{SessionStart, Until};
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::journal::JournalArguments;
+use rpl_shell::files::module_files::ModuleVoices;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::files::{inputs, plans};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::path::PathBuf;
 
 /// Repeats a recorded run (`rpl run --record`) without what was outside: with its trace, its figures, and the
@@ -82,7 +81,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
             reads,
             command_line,
         };
-        return repl::run(&built, opening, console);
+        return rpl_prompt::run(&built, opening, console);
     }
     let plan = plan.context("the recording has no plan; name one with `--plan FILE`")?;
     let run = run::Arguments {

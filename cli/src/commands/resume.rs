@@ -1,28 +1,29 @@
 //! `rpl resume DIR`: a run that was killed, or stood still, goes on from its journal.
 
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::journal::SyncArgument;
-use crate::arguments::token::TokenArgument;
 use crate::commands::run::{self, parse_factor};
-use crate::drive::Pace;
-use crate::files::module_files::{GoingBack, ModuleVoices, Modules};
-use crate::files::outputs::OutputFile;
-use crate::files::shown::Shown;
-use crate::hosts::{self, HostLines, HostSource, Use};
-use crate::journal::{
-    self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
-};
-use crate::prepared_run::PreparedRun;
-use crate::run_record::Records;
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::trace::TraceFile;
+use crate::version::BUILD;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
+use rpl_drive::hosts::{self, HostLines, HostSource, Use};
+use rpl_drive::journal::{
+    self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
+};
+use rpl_drive::prepared_run::PreparedRun;
+use rpl_drive::run_driver::Pace;
+use rpl_drive::run_record::Records;
+use rpl_drive::trace::TraceFile;
 use rpl_link::journal::inputs::PastInputs;
 use rpl_link::journal::own_file;
 use rpl_link::recording::RecordedTurns;
 use rpl_runtime::run::system::System;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::journal::SyncArgument;
+use rpl_shell::arguments::token::TokenArgument;
+use rpl_shell::files::module_files::{GoingBack, ModuleVoices, Modules};
+use rpl_shell::files::outputs::OutputFile;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -70,7 +71,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let began = Instant::now();
     let path = &arguments.journal;
-    let kept = KeptRun::read(path)?;
+    let kept = KeptRun::read(path, BUILD)?;
     let Some(plan) = kept.head.plan.as_ref().filter(|_| !kept.is_session()) else {
         let shown = path.shown();
         bail!("`{shown}` is the journal of a session at the prompt: `rpl repl --journal {shown}` goes on with it");

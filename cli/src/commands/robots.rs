@@ -1,13 +1,13 @@
 //! `rpl robots [NAME]`: the built-in robots, and what one of them can do.
 
-use crate::arguments::completion;
-use crate::files::robot_files;
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::Result;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::description::{BatteryDescription, Driving, Motors, RobotDescription, Sonar};
 use rpl_robot::sensors::SonarLayout;
+use rpl_shell::arguments::completion;
+use rpl_shell::files::robot_files;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 
 /// Columns of the names in the list.
 const NAME_COLUMNS: usize = 16;

@@ -1,36 +1,37 @@
 //! `rpl run FILE`: a mission from its first form to its end.
 
-use crate::arguments::completion;
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::journal::JournalArguments;
-use crate::arguments::overrides::{Overrides, OverridingLoader};
-use crate::arguments::site::SiteArguments;
-use crate::drive::Pace;
-use crate::files::module_files::{GoingBack, ModuleVoices};
-use crate::files::outputs::OutputFile;
-use crate::files::plans;
-use crate::files::plans::PlanText;
-use crate::files::project_file::ProjectFile;
-use crate::files::shown::Shown;
-use crate::hosts::{HostArguments, HostSource, Use};
-use crate::journal::{KeptRun, KeptText, RunJournal, Writing};
-use crate::mcap::McapRecording;
-use crate::prepared_run::PreparedRun;
-use crate::recorded_run::{RecordedRun, RecordedText};
-use crate::run_record::Records;
-use crate::seen::{Live, LiveArguments, plan_texts};
-use crate::show::figures;
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::trace::TraceFile;
+use crate::version::BUILD;
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::hosts::{HostArguments, HostSource, Use};
+use rpl_drive::journal::{KeptRun, KeptText, RunJournal, Writing};
+use rpl_drive::mcap::McapRecording;
+use rpl_drive::prepared_run::PreparedRun;
+use rpl_drive::recorded_run::{RecordedRun, RecordedText};
+use rpl_drive::run_driver::Pace;
+use rpl_drive::run_record::Records;
+use rpl_drive::seen::{Live, LiveArguments, plan_texts};
+use rpl_drive::show::figures;
+use rpl_drive::trace::TraceFile;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::journal::JournalArguments;
+use rpl_shell::arguments::overrides::{Overrides, OverridingLoader};
+use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
+use rpl_shell::files::outputs::OutputFile;
+use rpl_shell::files::plans;
+use rpl_shell::files::plans::PlanText;
+use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::shown::Shown;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -286,7 +287,7 @@ fn begin_journal(
         sync: arguments.journal.sync,
         must: arguments.journal.journal_must,
     };
-    let kept = KeptRun::new(recorded, Some(plan), site, world, writing)?;
+    let kept = KeptRun::new(BUILD, recorded, Some(plan), site, world, writing)?;
     let file = trace.map(|trace| OutputFile::open(trace, "the trace")).transpose()?;
     let (journal, ledger) = RunJournal::begin(path, &kept, file)?;
     let trace = ledger.map(|ledger| TraceFile::with_ledger(ledger, Some(&kept.head.run.trace_header()))).transpose()?;

@@ -1,21 +1,20 @@
 //! `rpl simulate`: our simulator as a host in a process of its own, at the pace of the clock on the wall.
 
-use crate::arguments::completion;
-use crate::arguments::duration::parse_duration_us;
-use crate::arguments::token::TokenArgument;
 use crate::commands::run::parse_factor;
-use crate::files::{plans, robot_files, world_files};
-use crate::interrupt;
-use crate::show::service::{ServiceSummary, notice_line};
-use crate::sites;
-use crate::status::Status;
-use crate::terminal::console::Console;
 use anyhow::{Context, Result};
 use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::show::service::{ServiceSummary, notice_line};
 use rpl_link::tcp_server::{Service, serve};
 use rpl_mission::site::Setup;
 use rpl_protocol::host::SILENCE_US;
 use rpl_robot::office::OfficeSettings;
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::token::TokenArgument;
+use rpl_shell::files::{plans, robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::{interrupt, sites};
 use std::net::TcpListener;
 use std::time::Duration;
 

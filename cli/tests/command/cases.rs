@@ -59,12 +59,12 @@ impl Cases {
             }
             let expected = fs::read_to_string(&expected_path).unwrap_or_default();
             if found != expected {
-                wrong.push(format!("{}\n--- expected\n{expected}\n--- found\n{found}", case.display()));
+                wrong.push(format!("{}\n--- expected\n{expected}\n--- found\n{found}", case.to_string_lossy()));
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
         for expectation in files(&self.folder(), "expected") {
-            assert!(expectation.with_extension("rpl").is_file(), "{} has no case", expectation.display());
+            assert!(expectation.with_extension("rpl").is_file(), "{} has no case", expectation.to_string_lossy());
         }
     }
 }
@@ -80,7 +80,7 @@ fn every_fault_is_found_without_running() {
     let cases = files(&CHECK.folder(), "rpl");
     assert!(cases.len() >= 30, "there are {} seeded faults", cases.len());
     for case in cases {
-        assert!(!CHECK.outcome(&case).contains("no findings"), "{} is no fault", case.display());
+        assert!(!CHECK.outcome(&case).contains("no findings"), "{} is no fault", case.to_string_lossy());
     }
 }
 

@@ -26,7 +26,7 @@ fn folder_to_complete(name: &str) -> PathBuf {
 fn path() -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_rpl"));
     let folder = program.parent().expect("a program is in a folder");
-    format!("{}:{}", folder.display(), std::env::var("PATH").unwrap_or_default())
+    format!("{}:{}", folder.to_string_lossy(), std::env::var("PATH").unwrap_or_default())
 }
 
 fn is_there(shell: &str) -> bool {
@@ -110,7 +110,7 @@ impl Shell {
         let program = CommandAtTerminal::new(program)
             .args(arguments)
             .current_dir(folder)
-            .envs([("TERM", "xterm"), ("PATH", &path()), ("PS1", "ready> "), ("HOME", &folder.display().to_string())])
+            .envs([("TERM", "xterm"), ("PATH", &path()), ("PS1", "ready> "), ("HOME", &folder.to_string_lossy())])
             .env_remove("RPL_COMPLETE");
         Self(Terminal::start(program, 40, 120))
     }
@@ -180,7 +180,7 @@ fn fish_completes() {
         let output = Command::new("fish")
             .args(["--no-config", "-c", "rpl completions fish | source; complete --do-complete $argv[1]", typed])
             .current_dir(&folder)
-            .envs([("PATH", path()), ("HOME", folder.display().to_string())])
+            .envs([("PATH", path()), ("HOME", folder.to_string_lossy().into_owned())])
             .output()
             .expect("it runs");
         let found = String::from_utf8_lossy(&output.stdout).into_owned();

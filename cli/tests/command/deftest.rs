@@ -13,7 +13,7 @@ fn test_reports_as_junit() {
         "(deftest good (wait-time 5))\n(deftest <bad&> (print \"x & \\u{1b}\") (fail \"1 < 2 & \\\"3\\\"\"))\n(deftest slow :until 10s (wait-time 60))\n",
     );
     let wrong = put(&folder, "wrong.rpl", "(deftest a (undefined))");
-    let report = folder.join("report.xml").display().to_string();
+    let report = folder.join("report.xml").to_string_lossy().into_owned();
     let found = run(&["test", &tests, &wrong, "--junit", &report, "--seed", "4"]);
     assert_eq!(found.status, 2, "{}", found.errors);
     assert!(found.out.contains("3 tests, 2 failed"), "{}", found.out);

@@ -53,7 +53,7 @@ fn an_experiment_on_a_plan_of_ones_own_draws_charts() {
     let folder = folder("experiment-charts");
     let plan = put(&folder, "a & b.rpl", "(wait-time (random 10.0))");
     let results = folder.join("results");
-    let found = run(&["experiment", &plan, "--runs", "3", "--results", &results.display().to_string()]);
+    let found = run(&["experiment", &plan, "--runs", "3", "--results", &results.to_string_lossy()]);
     assert_eq!(found.status, 0, "{}", found.errors);
     let chart = text_in(&results, "success.svg");
     assert!(chart.contains("<polyline") && chart.contains("a &amp; b"), "{chart}");
@@ -88,7 +88,7 @@ fn a_door_closed_on_the_way_holds_a_delivery_up_and_no_more() {
 #[test]
 fn buildings_are_driven_in_however_many_jobs() {
     let folder = folder("experiment-buildings");
-    let results = folder.join("results").display().to_string();
+    let results = folder.join("results").to_string_lossy().into_owned();
     let of = |jobs: &str| {
         let row = ["experiment", "buildings", "--row", "flats/turned", "--runs", "2", "--seed", "700001"];
         run(&[&row[..], &["--until", "3min", "--jobs", jobs, "--results", &results]].concat())
@@ -114,11 +114,11 @@ fn a_row_of_buildings_is_a_kind_or_a_disturbance_or_both() {
 #[test]
 fn buildings_on_recorded_maps_are_rows_of_their_own() {
     let folder = folder("experiment-maps");
-    let maps = folder.display().to_string();
+    let maps = folder.to_string_lossy().into_owned();
     let empty = run(&["experiment", "buildings", "--maps", &maps]);
     assert_eq!(empty.status, 2);
     assert!(empty.errors.contains("there is no map below"), "{}", empty.errors);
-    let absent = run(&["experiment", "buildings", "--maps", &folder.join("absent").display().to_string()]);
+    let absent = run(&["experiment", "buildings", "--maps", &folder.join("absent").to_string_lossy()]);
     assert!(absent.status == 2 && absent.errors.contains("cannot read the folder"), "{}", absent.errors);
     let elsewhere = run(&["experiment", "worlds", "--maps", &maps]);
     assert!(elsewhere.errors.contains("`--maps` is for `buildings`"), "{}", elsewhere.errors);

@@ -24,7 +24,7 @@ pub fn folder(name: &str) -> PathBuf {
 pub fn put(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> String {
     let path = folder.join(name);
     fs::write(&path, content).expect("the file can be written");
-    path.display().to_string()
+    path.to_string_lossy().into_owned()
 }
 
 /// The text of a file in a folder.

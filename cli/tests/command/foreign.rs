@@ -228,7 +228,7 @@ fn the_journal_of_a_session_starts_nothing() {
     let head = String::from_utf8(parts[0].to_vec()).expect("JSON");
     let module = folder.join("marking.toml");
     let named = "\"modules\":[{\"name\":\"marking.toml\",\"checksum\":0}]";
-    let path = format!("\"modules\":[\"{}\"]", module.display());
+    let path = format!("\"modules\":[\"{}\"]", module.to_string_lossy());
     let [before, between, after] = head.split("\"modules\":[]").collect::<Vec<_>>()[..] else { panic!("{head}") };
     let mut forged = written[..8].to_vec();
     let head = format!("{before}{named}{between}{path}{after}");

@@ -139,7 +139,7 @@ fn a_run_that_is_killed_behind_its_stop_goes_on_behind_it() {
 /// The checkpoints of a journal, the oldest first.
 fn checkpoints(journal: &Path) -> Vec<std::path::PathBuf> {
     let entries = fs::read_dir(journal).expect("a folder").flatten().map(|entry| entry.path());
-    let mut found: Vec<_> = entries.filter(|path| path.display().to_string().contains("checkpoint-")).collect();
+    let mut found: Vec<_> = entries.filter(|path| path.to_string_lossy().contains("checkpoint-")).collect();
     found.sort();
     found
 }
@@ -275,7 +275,7 @@ fn the_prompt_stands_anywhere_in_a_journal() {
 fn a_journal_has_one_writer_and_one_run() {
     let folder = plans("journal-writer");
     let waiting = put(&folder, "waiting.rpl", "(print 'begun) (wait-time 1000) (print 'done)");
-    let journal = folder.join("j").display().to_string();
+    let journal = folder.join("j").to_string_lossy().into_owned();
     let mut child = start(&["run", &waiting, "--journal", &journal, "--realtime"]);
     wait_for_line(&mut child);
     let found = run(&["resume", &journal]);
@@ -360,7 +360,7 @@ fn a_run_outlives_a_full_disk_or_stops_if_it_must_not() {
 fn one_signal_ends_a_run_for_good_and_its_journal_says_so() {
     let folder = plans("journal-signal");
     let plan = put(&folder, "plan.rpl", "(unwind-protect (seq (print 'going) (wait-time 1000)) (print 'clean))");
-    let journal = folder.join("j").display().to_string();
+    let journal = folder.join("j").to_string_lossy().into_owned();
     let mut child = start(&["run", &plan, "--journal", &journal, "--realtime"]);
     wait_for_line(&mut child);
     let id = child.id().to_string();

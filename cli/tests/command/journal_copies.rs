@@ -100,7 +100,7 @@ fn a_world_a_robot_and_a_scenario_must_be_what_they_were() {
 fn a_trace_has_one_writer_and_may_be_gone() {
     let folder = plans("journal-trace");
     let waiting = put(&folder, "waiting.rpl", "(print 'begun) (wait-time 1000) (print 'done)");
-    let in_folder = |name: &str| folder.join(name).display().to_string();
+    let in_folder = |name: &str| folder.join(name).to_string_lossy().into_owned();
     let (journal, trace) = (in_folder("j"), in_folder("j.jsonl"));
     let mut child = start(&["run", &waiting, "--journal", &journal, "--trace", &trace, "--realtime"]);
     wait_for_line(&mut child);
@@ -127,10 +127,10 @@ fn a_trace_has_one_writer_and_may_be_gone() {
 #[test]
 fn a_run_whose_journal_is_taken_away_goes_on_and_says_so() {
     let folder = plans("journal-away");
-    let count = folder.join("count.rpl").display().to_string();
+    let count = folder.join("count.rpl").to_string_lossy().into_owned();
     let (printed, _) = parts(&run(&["run", &count, "--seed", "7", "--json"]).out);
     let journal = folder.join("j");
-    let begun = ["run", &count, "--seed", "7", "--journal", &journal.display().to_string(), "--realtime", "40"];
+    let begun = ["run", &count, "--seed", "7", "--journal", &journal.to_string_lossy(), "--realtime", "40"];
     for is_moved in [false, true] {
         let mut child = start(&begun);
         wait_for_line(&mut child);
@@ -146,6 +146,6 @@ fn a_run_whose_journal_is_taken_away_goes_on_and_says_so() {
         assert!(!journal.exists());
     }
     // Where it was moved to it has what it had, and goes on.
-    assert_eq!(run(&["resume", &folder.join("k").display().to_string()]).status, 0);
+    assert_eq!(run(&["resume", &folder.join("k").to_string_lossy()]).status, 0);
     assert_eq!(text_in(&folder, "k/output.txt"), printed);
 }

@@ -40,7 +40,7 @@ fn no_output_takes_the_place_of_an_input() {
     put_world(&folder);
     std::os::unix::fs::symlink("plan.rpl", folder.join("link")).expect("a link can be made");
     fs::hard_link(folder.join("part.rpl"), folder.join("twin")).expect("a link can be made");
-    let here = folder.join("plan.rpl").display().to_string();
+    let here = folder.join("plan.rpl").to_string_lossy().into_owned();
     let before: Vec<Vec<u8>> =
         names(&folder).iter().map(|name| fs::read(folder.join(name)).expect("it is there")).collect();
     let run = ["run", "plan.rpl", "--world", "map.yaml", "--scenario", "scenario.rpl"];

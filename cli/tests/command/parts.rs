@@ -24,7 +24,7 @@ impl Tossing {
     }
 
     fn path(&self, name: &str) -> String {
-        self.folder.join(name).display().to_string()
+        self.folder.join(name).to_string_lossy().into_owned()
     }
 
     /// The experiment with some options.
@@ -207,7 +207,7 @@ fn experiments_of_all_kinds_are_put_together_from_parts() {
         let asked = [&["experiment", name], options].concat();
         let alone = run(&[&asked[..], &["--json"]].concat());
         let parts = ["1/2", "2/2"].map(|shard| {
-            let part = folder.join(format!("{name}-{}", shard.replace('/', "-"))).display().to_string();
+            let part = folder.join(format!("{name}-{}", shard.replace('/', "-"))).to_string_lossy().into_owned();
             let made = run(&[&asked[..], &["--shard", shard, "--out", &part]].concat());
             assert_eq!(made.status, 0, "{name}: {}", made.errors);
             part
@@ -271,7 +271,7 @@ fn what_is_done_of_an_interrupted_experiment_is_kept() {
 /// A shell with `rpl` in its path, in a folder.
 fn shell(folder: &Path, words: &[&str], variables: &[(&str, &str)]) -> Ended {
     let beside = Path::new(env!("CARGO_BIN_EXE_rpl")).parent().expect("a folder");
-    let path = format!("{}:{}", beside.display(), std::env::var("PATH").unwrap_or_default());
+    let path = format!("{}:{}", beside.to_string_lossy(), std::env::var("PATH").unwrap_or_default());
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).current_dir(folder).env("PATH", path).envs(variables.iter().copied());
     command.output().expect("it starts").into()
@@ -282,7 +282,7 @@ fn the_files_for_batch_systems_do_their_shards() {
     let folder = folder("parts-batch");
     fs::create_dir(folder.join("parts")).expect("a folder");
     let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/many-machines");
-    let slurm = files.join("slurm.sh").display().to_string();
+    let slurm = files.join("slurm.sh").to_string_lossy().into_owned();
     for task in ["1", "2", "3"] {
         let words = ["bash", &slurm, "3", "topological-global", "--runs", "7"];
         let done = shell(&folder, &words, &[("SLURM_ARRAY_TASK_ID", task)]);

@@ -17,7 +17,7 @@ pub fn wait_for_line(child: &mut Child) {
 #[test]
 fn a_closed_pipe_ends_quietly_and_runs_clean_ups() {
     let folder = folder("pipe");
-    let trace = folder.join("pipe.jsonl").display().to_string();
+    let trace = folder.join("pipe.jsonl").to_string_lossy().into_owned();
     let plan = put(&folder, "pipe.rpl", "(unwind-protect (loop (print 1) (wait-time 1)) (print 2))");
     let mut child = start(&["run", &plan, "--trace", &trace]);
     wait_for_line(&mut child);

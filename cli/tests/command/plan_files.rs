@@ -28,7 +28,7 @@ fn missing_files_are_told_with_what_was_probably_meant() {
     assert!(found.errors.contains("did you mean `first-steps.rpl`?"), "{}", found.errors);
     let found = run(&["run", "first-steps", "--world", "dpt"]);
     assert!(found.errors.contains("did you mean `dept`?"), "{}", found.errors);
-    let found = run(&["run", &folder.display().to_string()]);
+    let found = run(&["run", &folder.to_string_lossy()]);
     assert!(found.errors.contains("it is a folder"), "{}", found.errors);
     assert_eq!(found.status, 2);
 }
@@ -47,7 +47,7 @@ fn a_plan_loads_files_beside_it_and_none_outside() {
     assert_eq!((found.out.as_str(), found.errors.as_str()), ("(2 3 4)\n", "value: (2 3 4)\n"));
     let here = run_in(&folder.join("main"), &["run", "good.rpl"]);
     assert_eq!(here.out, "(2 3 4)\n");
-    let absolute = folder.join("secret.rpl").display().to_string();
+    let absolute = folder.join("secret.rpl").to_string_lossy().into_owned();
     for outside in ["../secret.rpl", "parts/../../secret.rpl", "../nothing-there.rpl", absolute.as_str()] {
         let bad = put(&folder, "main/bad.rpl", format!("(load {outside:?})"));
         let found = run(&["run", &bad]);

@@ -62,7 +62,7 @@ fn the_trace_is_the_same_every_time() {
     let folder = folder("trace");
     let traces = [1, 2].map(|turn| {
         let path = folder.join(format!("trace-{turn}.jsonl"));
-        let found = run(&["run", "first-steps", "--trace", &path.display().to_string()]);
+        let found = run(&["run", "first-steps", "--trace", &path.to_string_lossy()]);
         assert_eq!(found.status, 0, "{}", found.errors);
         fs::read_to_string(path).expect("the trace is there")
     });

@@ -77,7 +77,7 @@ fn one_signal_ends_what_has_nothing_to_clean_up() {
     let folder = folder("signal-before");
     let pipe = folder.join("silent.toml");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
-    let name = pipe.display().to_string();
+    let name = pipe.to_string_lossy().into_owned();
     for arguments in [
         &["run", &name][..],
         &["check", &name],

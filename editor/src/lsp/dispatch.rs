@@ -195,7 +195,7 @@ impl Session<'_> {
 
     /// Texts may load one that has changed, or be for another world now.
     fn files_changed(&mut self, changes: &[FileEvent]) {
-        let name = |change: &FileEvent| Some(file_of(&change.uri)?.display().to_string());
+        let name = |change: &FileEvent| Some(file_of(&change.uri)?.to_string_lossy().into_owned());
         let plans: Option<Vec<String>> =
             changes.iter().map(|change| name(change).filter(|name| name.ends_with(".rpl"))).collect();
         match plans {

@@ -164,7 +164,8 @@ impl Left {
     pub fn by(place: &Place) -> io::Result<Self> {
         let read = |name: &str| {
             let path = place.folder.join(name);
-            fs::read(&path).map_err(|error| io::Error::new(error.kind(), format!("`{}`: {error}", path.display())))
+            fs::read(&path)
+                .map_err(|error| io::Error::new(error.kind(), format!("`{}`: {error}", path.to_string_lossy())))
         };
         Ok(Self([read("j/output.txt")?, read("j/log.txt")?, read("t.jsonl")?]))
     }

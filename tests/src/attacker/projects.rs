@@ -43,7 +43,7 @@ impl Surface for Projects {
         let project = "plan = \"plan.rpl\"\nworld = \"test-room\"\nmodules = [\"module.toml\"]\n";
         let manifest = format!(
             "name = \"m\"\ndoc = \"M.\"\ncommand = [\"sh\", \"-c\", \"echo ran > '{}'; cat > /dev/null\"]\n\n[[fluent]]\nname = \"f*\"\ndoc = \"F.\"\ntype = \"truth\"\n",
-            canary.display()
+            canary.to_string_lossy()
         );
         let because = [Because::OthersMayWrite, Because::NotAsked, Because::WrongText][dice.below(3)];
         let plan = match because {

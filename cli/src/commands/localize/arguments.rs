@@ -1,11 +1,11 @@
 //! The arguments of `rpl localize`.
 
-use crate::arguments::completion;
-use crate::arguments::numbers::{number, positive};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::Pose;
 use rpl_robot::recording::{FirstReading, LaserMount};
+use rpl_shell::arguments::completion;
+use rpl_shell::arguments::numbers::{number, positive};
 use std::path::PathBuf;
 
 /// Windows, if nobody says how many.

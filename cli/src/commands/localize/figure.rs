@@ -1,9 +1,9 @@
 //! Map, paths and errors of the trials as SVG.
 
 use super::Timed;
-use crate::drawing::palette::{self, SERIES};
-use crate::drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text};
-use crate::drawing::{Figure, FloorPlan, TrackKind};
+use rpl_drawing::palette::{self, SERIES};
+use rpl_drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text};
+use rpl_drawing::{Figure, FloorPlan, TrackKind};
 use rpl_robot::geometry::Point;
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::recording::{PoseError, RIGHT_M, RIGHT_RAD, SURE};

@@ -1,8 +1,8 @@
 //! What the trials showed together.
 
 use super::Timed;
-use crate::experiment::reliability::{self, Bin, Judged, SURE};
-use crate::experiment::statistics::{Proportion, quantile};
+use rpl_experiments::reliability::{self, Bin, Judged, SURE};
+use rpl_experiments::statistics::{Proportion, quantile};
 use rpl_robot::localization::Calibration;
 use rpl_robot::recording::PoseError;
 use serde::Serialize;

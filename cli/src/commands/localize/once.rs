@@ -1,18 +1,18 @@
 //! `--once`: scans of the drive, each alone against the whole map.
 
 use super::Arguments;
-use crate::experiment::one_scan::{Answer, RowResult, answer, bins, table};
-use crate::experiment::reliability;
-use crate::interrupt;
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::terminal::page::Block;
 use anyhow::Result;
+use rpl_experiments::one_scan::{Answer, RowResult, answer, bins, table};
+use rpl_experiments::reliability;
 use rpl_robot::localization::LocalizationParameters;
 use rpl_robot::localization::once::trial::Verdict;
 use rpl_robot::localization::once::{RangeBeam, ScanLocator};
 use rpl_robot::occupancy::OccupancyGrid;
 use rpl_robot::recording::{Recording, Scan};
+use rpl_shell::interrupt;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::terminal::page::Block;
 use serde_json::json;
 use std::time::Instant;
 

@@ -2,12 +2,12 @@
 
 use super::Timed;
 use super::findings::{Certainty, Errors, Findings, Phase, Spread};
-use crate::experiment::reliability::{self, SURE};
-use crate::experiment::statistics::Proportion;
-use crate::terminal::page::Block;
-use crate::terminal::table::{NOTHING, Table};
+use rpl_experiments::reliability::{self, SURE};
+use rpl_experiments::statistics::Proportion;
 use rpl_robot::localization::{BeamParameters, OdometryError};
 use rpl_robot::recording::{PoseError, TrialStart};
+use rpl_shell::terminal::page::Block;
+use rpl_shell::terminal::table::{NOTHING, Table};
 use serde_json::{Value, json};
 
 /// The table of windows, without its rows.

@@ -1,11 +1,11 @@
 //! `rpl trace diff A B`: the first event that differs.
 
-use crate::show::event_line::{ROBOT, event_line};
-use crate::status::Status;
-use crate::terminal::console::Console;
-use crate::trace::{TraceLine, TraceReader};
 use anyhow::Result;
+use rpl_drive::show::event_line::{ROBOT, event_line};
+use rpl_drive::trace::{TraceLine, TraceReader};
 use rpl_runtime::state::trace::Event;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
 use std::collections::VecDeque;
 
 /// Events shown before the first that differs.

@@ -1,8 +1,8 @@
 //! Which events of a trace are shown.
 
-use crate::arguments::duration::parse_duration_us;
-use crate::show::events::detail;
+use rpl_drive::show::events::detail;
 use rpl_runtime::state::trace::{Event, EventKind};
+use rpl_shell::arguments::duration::parse_duration_us;
 
 /// What an event must fulfil; all of it.
 #[derive(clap::Args, Clone, Debug, Default)]

@@ -228,7 +228,7 @@ fn a_changed_file_is_loaded_while_a_form_runs() {
     let write = |value: &str| {
         std::fs::write(&file, format!("(def-plan beat () (wait-time 3) '{value})\n")).expect("it can be written");
     };
-    let load = format!(":load {}\r", file.display());
+    let load = format!(":load {}\r", file.to_string_lossy());
     write("slow");
     let mut terminal = prompt_in(&state, &[], 24, 200);
     terminal.stands_behind("rpl> ");
@@ -256,7 +256,7 @@ fn ctrl_c_gives_the_prompt_back_from_a_file_that_never_ends() {
     std::fs::write(&file, text).expect("it can be written");
     let mut terminal = prompt_in(&state, &[], 24, 80);
     terminal.stands_behind("rpl> ");
-    terminal.keys(&format!(":load {}\r", file.display()));
+    terminal.keys(&format!(":load {}\r", file.to_string_lossy()));
     terminal.shows("\nbegun");
     terminal.keys(INTERRUPT);
     terminal.shows("interrupted; `:continue` goes on");

@@ -40,7 +40,7 @@ fn cited() -> BTreeMap<String, String> {
     for file in files.filter(|file| !file.ends_with("clauses.rs")) {
         let text = fs::read_to_string(&file).unwrap_or_default();
         for (label, line) in citations(&text) {
-            cited.entry(label).or_insert_with(|| format!("{}:{line}", file.display()));
+            cited.entry(label).or_insert_with(|| format!("{}:{line}", file.to_string_lossy()));
         }
     }
     cited

@@ -29,7 +29,11 @@ fn every_example_begins_by_saying_what_it_shows() {
     for path in all {
         let text = text(&path);
         let comment = text.lines().take_while(|line| line.starts_with(';')).collect::<Vec<_>>().join(" ");
-        assert!(comment.trim_start_matches([';', ' ']).len() > 20, "{} does not say what it shows", path.display());
+        assert!(
+            comment.trim_start_matches([';', ' ']).len() > 20,
+            "{} does not say what it shows",
+            path.to_string_lossy()
+        );
     }
 }
 
@@ -55,7 +59,7 @@ fn examples_with_a_robot_run_undisturbed() {
         let is_elsewhere = ["--world arena", "--world olin-rice"].iter().any(|world| text.contains(world));
         if needs_robot(&text) && !path.ends_with("office.rpl") && !is_elsewhere {
             let run = Mission::new(dept(), &text).run(5, 600.0);
-            assert!(run.outcome().starts_with("=>"), "{}: {}", path.display(), run.outcome());
+            assert!(run.outcome().starts_with("=>"), "{}: {}", path.to_string_lossy(), run.outcome());
             names.push(path.file_stem().and_then(|name| name.to_str()).expect("a name").to_string());
         }
     }

@@ -1,0 +1,155 @@
+//! The subcommands, one file each: its arguments with their help, and what it does. Another one is such
+//! a file, and a line here in each of three places.
+
+pub mod cases;
+pub mod check;
+pub mod completions;
+pub mod dap;
+pub mod doc;
+pub mod eval;
+pub mod examples;
+pub mod experiment;
+pub mod explain;
+pub mod fmt;
+pub mod journal;
+pub mod localize;
+pub mod lsp;
+pub mod man;
+pub mod new;
+pub mod project;
+pub mod repl;
+pub mod replay;
+pub mod resume;
+pub mod robots;
+pub mod run;
+pub mod simulate;
+pub mod test;
+pub mod trace;
+pub mod view;
+pub mod worlds;
+
+use crate::version::VERSION;
+use anyhow::Result;
+use clap::error::{ContextKind, ContextValue};
+use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
+use rpl_lang::suggest::suggest;
+use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::terminal::layout;
+
+/// Reactive plans, and a robot that carries them out
+#[derive(Parser, Debug)]
+#[command(name = "rpl", version = VERSION, max_term_width = layout::HELP_COLUMNS)]
+#[command(
+    after_help = "Exit status: 0 success, 1 the plan or its scenario failed, 2 the text or the command line is wrong, \
+                        3 --until was reached, 130 interrupted."
+)]
+pub struct CommandLine {
+    #[command(subcommand)]
+    /// The subcommand; none is the prompt.
+    pub command: Option<Command>,
+    /// Whether colours are written: `auto`, `always` or `never`
+    #[arg(long, global = true, value_name = "WHEN", default_value_t = ColorChoice::Auto, hide_possible_values = true)]
+    pub color: ColorChoice,
+    /// What `rpl` alone takes, which is the prompt.
+    #[command(flatten, next_help_heading = "Options of the prompt (`rpl` alone)")]
+    pub prompt: SiteArguments,
+}
+
+/// What `rpl` can be asked for.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    Run(Box<run::Arguments>),
+    /// Reads forms and runs them: the prompt, with the stepper. So does `rpl` alone
+    Repl(repl::Arguments),
+    /// The same, stopped before the first form of a file
+    Step(repl::Arguments),
+    Resume(resume::Arguments),
+    Journal(journal::Arguments),
+    Project(Box<project::Arguments>),
+    Replay(Box<replay::Arguments>),
+    Simulate(simulate::Arguments),
+    Trace(trace::Arguments),
+    New(new::Arguments),
+    Explain(explain::Arguments),
+    View(view::Arguments),
+    Check(check::Arguments),
+    Test(test::Arguments),
+    Fmt(fmt::Arguments),
+    Eval(eval::Arguments),
+    Lsp(lsp::Arguments),
+    Dap(dap::Arguments),
+    Worlds(worlds::Arguments),
+    Robots(robots::Arguments),
+    Cases(cases::Arguments),
+    Examples(examples::Arguments),
+    Doc(doc::Arguments),
+    Experiment(experiment::Arguments),
+    Localize(Box<localize::Arguments>),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
+}
+
+impl Command {
+    /// Does what is asked for.
+    ///
+    /// # Errors
+    /// What each of them says; or standard output is closed.
+    pub fn run(&self, console: &mut Console) -> Result<Status> {
+        match self {
+            Command::Run(arguments) => run::run(arguments, console),
+            Command::Repl(arguments) => repl::run(arguments, CommandLine::command(), false, console),
+            Command::Step(arguments) => repl::run(arguments, CommandLine::command(), true, console),
+            Command::Journal(arguments) => journal::run(arguments, console),
+            Command::Resume(arguments) => resume::run(arguments, console),
+            Command::Project(arguments) => project::run(arguments, console),
+            Command::Replay(arguments) => replay::run(arguments, CommandLine::command(), console),
+            Command::Simulate(arguments) => simulate::run(arguments, console),
+            Command::Trace(arguments) => trace::run(arguments, console),
+            Command::Explain(arguments) => explain::run(arguments, console),
+            Command::New(arguments) => new::run(arguments, console),
+            Command::View(arguments) => view::run(arguments, CommandLine::command(), console),
+            Command::Check(arguments) => check::run(arguments, console),
+            Command::Test(arguments) => test::run(arguments, console),
+            Command::Fmt(arguments) => fmt::run(arguments, console),
+            Command::Eval(arguments) => eval::run(arguments, console),
+            Command::Lsp(arguments) => lsp::run(arguments),
+            Command::Dap(arguments) => dap::run(arguments),
+            Command::Worlds(arguments) => worlds::run(arguments, console),
+            Command::Robots(arguments) => robots::run(arguments, console),
+            Command::Cases(arguments) => cases::run(arguments, console),
+            Command::Examples(arguments) => examples::run(arguments, console),
+            Command::Doc(arguments) => doc::run(arguments, console),
+            Command::Experiment(arguments) => experiment::run(arguments, console),
+            Command::Localize(arguments) => localize::run(arguments, console),
+            Command::Completions(arguments) => completions::run(arguments, console),
+            Command::Man(arguments) => man::run(arguments, CommandLine::command(), console),
+        }
+    }
+}
+
+/// The error with the command that was probably meant. In a word of three letters clap takes an
+/// exchange of two for another word.
+pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
+    let is_known = error.get(ContextKind::SuggestedSubcommand).is_some();
+    let typed = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(typed)) if !is_known => typed.clone(),
+        Some(_) | None => return error,
+    };
+    let commands = CommandLine::command();
+    if let Some(meant) = suggest(&typed, commands.get_subcommands().map(clap::Command::get_name)) {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![meant.to_string()]));
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
+}

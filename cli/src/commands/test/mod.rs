@@ -1,0 +1,457 @@
+//! `rpl test FILE...`: runs the tests in plans, each in a system of its own.
+
+mod junit;
+
+use anyhow::{Context, Result, bail};
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_drive::run_driver::{Pace, drive};
+use rpl_drive::run_record::{Records, RunEnd};
+use rpl_drive::show::failure_report::{FailureRecord, Reporter, SCENARIO_FAILED};
+use rpl_lang::compile::Test;
+use rpl_lang::diagnostic::render;
+use rpl_mission::robot::Robot;
+use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
+use rpl_robot::description::RobotDescription;
+use rpl_robot::office::OfficeSettings;
+use rpl_runtime::run::library::{Loaded, Rejected};
+use rpl_runtime::run::system::{Outcome, System};
+use rpl_runtime::state::time::{LAST_INSTANT_US, microseconds};
+use rpl_shell::arguments::duration::parse_duration_us;
+use rpl_shell::arguments::site::FIRST_SEED;
+use rpl_shell::arguments::{completion, plan_files};
+use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
+use rpl_shell::files::outputs::OutputFile;
+use rpl_shell::files::plans::{self, PlanText};
+use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::{robot_files, world_files};
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use rpl_shell::{interrupt, sites};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Runs the tests in plans
+#[derive(clap::Args, Clone, Debug)]
+pub struct Arguments {
+    /// Plan files with `deftest` forms, folders with plans, or a project, by its `rpl.toml`; `-` for standard input;
+    /// without any, those of the folder of the nearest `rpl.toml`, in its world
+    #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
+    files: Vec<String>,
+    /// Runs only the tests whose name contains this
+    #[arg(long, value_name = "TEXT")]
+    filter: Option<String>,
+    /// The world of the tests that name none
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
+    world: Option<String>,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
+    /// A module in another process, by its manifest, for the tests in a world; once for each
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    module: Vec<String>,
+    /// Whether they were named elsewhere than on the command line, so that it is told what is started.
+    #[arg(skip)]
+    tells_modules: bool,
+    /// The seed of the tests that name none; 1 without
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// When the tests that say nothing else must have ended, in the time of the plan
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
+    until: u64,
+    /// Writes one JSON object to standard output instead
+    #[arg(long)]
+    json: bool,
+    /// Writes the report as JUnit XML into a file too
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    junit: Option<PathBuf>,
+}
+
+/// What `--json` writes.
+#[derive(Clone, Debug, Default, Serialize)]
+struct TestReport {
+    tests: Vec<TestRecord>,
+    succeeded: usize,
+    failed: usize,
+    /// Not all tests have come to their end.
+    interrupted: bool,
+    /// Files that could not be read or compiled.
+    faulty_files: Vec<FaultyFile>,
+    wall_s: f64,
+}
+
+/// A file whose tests could not run.
+#[derive(Clone, Debug, Serialize)]
+struct FaultyFile {
+    file: String,
+    reason: String,
+}
+
+/// How a test went.
+#[derive(Clone, Debug, Serialize)]
+struct TestRecord {
+    name: String,
+    file: String,
+    line: usize,
+    outcome: &'static str,
+    time_s: f64,
+    seed: u64,
+    world: Option<String>,
+    failure: Option<FailureRecord>,
+    output: Vec<String>,
+    wall_s: f64,
+    /// Why it did not succeed, for people.
+    #[serde(skip)]
+    reason: String,
+}
+
+impl TestRecord {
+    fn has_succeeded(&self) -> bool {
+        self.outcome == "succeeded"
+    }
+}
+
+/// The arguments, with what a project says if they name one or no file.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    if let Some((file, project)) = ProjectFile::of(&arguments.files, ("test", "test"), console)? {
+        arguments.files = vec![ProjectFile::folder_of(&file)];
+        if arguments.world.is_none() {
+            (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
+            arguments.module = project.modules;
+            arguments.tells_modules = true;
+        }
+        arguments.seed = arguments.seed.or(project.seed);
+    }
+    Ok(arguments)
+}
+
+/// Runs the tests of all files.
+///
+/// # Errors
+/// There is no test, or no file and no project, or standard output is closed.
+pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
+    let arguments = &in_project(arguments, console)?;
+    let junit = arguments.junit.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
+    let _stops = interrupt::stops_runs();
+    let began = Instant::now();
+    let files = plan_files::named(&arguments.files);
+    let colour = console.out_colour();
+    let robot = robot_files::named(arguments.robot.as_deref())?;
+    let (modules, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
+    let mut session = TestSession {
+        arguments,
+        robot,
+        colour,
+        is_one: files.len() == 1,
+        sites: BTreeMap::new(),
+        modules: sources,
+        starts_modules: false,
+        report: TestReport::default(),
+    };
+    let plans: Vec<_> = files.iter().map(read).collect();
+    // Nothing is started for texts that have errors.
+    session.starts_modules = !session.modules.is_empty() && session.are_all_right(&plans)?;
+    if session.starts_modules && arguments.tells_modules {
+        modules.tell(console);
+    }
+    for (name, plan) in files.into_iter().zip(plans) {
+        match plan {
+            Ok(plan) => session.file(&plan, console)?,
+            // The tests of the other files can still run.
+            Err(reason) => {
+                console.note(&format!("error: {reason}"));
+                session.report.faulty_files.push(FaultyFile { file: name.unwrap_or_default(), reason });
+            }
+        }
+        if interrupt::is_asked() {
+            break;
+        }
+    }
+    let mut report = session.report;
+    report.interrupted = interrupt::is_asked();
+    report.wall_s = to_milliseconds(began);
+    if let Some(file) = junit {
+        file.write(junit::xml(&report).as_bytes())?;
+    }
+    if arguments.json {
+        console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
+    } else if !report.tests.is_empty() {
+        console.print(&summary(&report))?;
+    }
+    if report.interrupted {
+        return Ok(Status::Interrupted);
+    }
+    let is_wrong = !report.faulty_files.is_empty();
+    if report.tests.is_empty() && !is_wrong {
+        match &arguments.filter {
+            Some(filter) => bail!("no test has a name with `{filter}` in it"),
+            None => bail!("there is no test: `(deftest NAME FORM...)` at the top level of a plan makes one"),
+        }
+    }
+    Ok(match (is_wrong, report.failed) {
+        (true, _) => Status::Wrong,
+        (false, 0) => Status::Succeeded,
+        (false, _) => Status::Failed,
+    })
+}
+
+/// Seconds since then.
+fn to_milliseconds(began: Instant) -> f64 {
+    (began.elapsed().as_secs_f64() * 1e3).round() / 1e3
+}
+
+fn summary(report: &TestReport) -> String {
+    let count = report.tests.len();
+    let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
+    let how = match (report.failed, report.interrupted) {
+        (0, false) => "all ok".to_string(),
+        (0, true) => "then interrupted".to_string(),
+        (failed, false) => format!("{failed} failed"),
+        (failed, true) => format!("{failed} failed, then interrupted"),
+    };
+    format!("{tests}, {how}, in {:.1} s", report.wall_s)
+}
+
+/// The world of a test with the seed it is drawn from, 0 if it is drawn from none, and the scenario.
+type TestPlace = (Option<String>, u64, Option<String>);
+
+struct TestSession<'a> {
+    arguments: &'a Arguments,
+    robot: Arc<RobotDescription>,
+    colour: bool,
+    /// The name of a single file need not be told.
+    is_one: bool,
+    /// Building the models of a world takes longer than most tests.
+    sites: BTreeMap<TestPlace, Site>,
+    /// Those in other processes, and whether they may be started.
+    modules: Vec<ModuleSource>,
+    starts_modules: bool,
+    report: TestReport,
+}
+
+/// A text that is named, or why it cannot be read.
+fn read(name: &Result<String, String>) -> Result<PlanText, String> {
+    name.as_ref().map_err(Clone::clone).and_then(|name| plans::plan(name).map_err(|error| format!("{error:#}")))
+}
+
+impl TestSession<'_> {
+    /// Whether all texts are there, and none has an error.
+    fn are_all_right(&self, plans: &[Result<PlanText, String>]) -> Result<bool> {
+        for plan in plans {
+            let Ok(plan) = plan else { return Ok(false) };
+            if load_without_world(plan, &self.modules)?.is_err() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Runs the tests of a file.
+    fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<()> {
+        let (site, loaded) = match load_without_world(plan, &self.modules)? {
+            Ok(found) => found,
+            Err(rejected) => {
+                console.note(rejected.render(console.colour).trim_end());
+                let reason = rejected.render(false).trim_end().to_string();
+                self.report.faulty_files.push(FaultyFile { file: plan.name.clone(), reason });
+                return Ok(());
+            }
+        };
+        if !loaded.warnings.is_empty() {
+            console.note(render(&loaded.warnings, &loaded.program.sources, console.colour).trim_end());
+        }
+        let filter = self.arguments.filter.as_deref().unwrap_or_default();
+        let tests: Vec<&Test> = loaded.tests.iter().filter(|test| test.name.contains(filter)).collect();
+        let width = tests.iter().map(|test| test.name.chars().count()).max().unwrap_or(0);
+        if !self.is_one && !tests.is_empty() && !self.arguments.json {
+            console.explain(&plan.name)?;
+        }
+        for test in tests {
+            let record = self.test(plan, test, (&site, &loaded))?;
+            if record.outcome == "interrupted" {
+                return Ok(());
+            }
+            self.report.succeeded += usize::from(record.has_succeeded());
+            self.report.failed += usize::from(!record.has_succeeded());
+            if !self.arguments.json {
+                self.tell(&record, width, console)?;
+            }
+            self.report.tests.push(record);
+            if interrupt::is_asked() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a test in its world, or else where its file was compiled. What keeps it from running is
+    /// its failure; the others can still run.
+    fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<TestRecord> {
+        let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
+        let scenario = test.options.scenario.as_deref().map(str::to_string);
+        if world.is_none() && scenario.is_none() {
+            let (site, loaded) = without_world;
+            return self.run_test(site, loaded.clone(), test, None);
+        }
+        let (_, loaded) = without_world;
+        if !self.modules.is_empty() && !self.starts_modules {
+            let reason = "it cannot run: its modules are not started while there are texts with errors";
+            return Ok(self.never_run(test, loaded, world, reason));
+        }
+        let is_drawn = world.as_deref().is_some_and(world_files::is_drawn);
+        let drawn_from = if is_drawn { self.seed_of(test) } else { 0 };
+        match self.set_up(plan, (world.clone(), drawn_from, scenario)) {
+            Ok((site, loaded)) => self.run_test(&site, loaded, test, world),
+            Err(error) => Ok(self.never_run(test, loaded, world, &format!("it cannot run: {error:#}"))),
+        }
+    }
+
+    fn set_up(&mut self, plan: &PlanText, place: TestPlace) -> Result<(Site, Loaded)> {
+        let site = self.site(place)?;
+        match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+            Ok(loaded) => Ok((site, loaded)),
+            // With a robot, names of the file's own may be the robot's.
+            Err(rejected) => bail!("in a world its text is wrong\n{}", rejected.render(self.colour).trim_end()),
+        }
+    }
+
+    fn never_run(&self, test: &Test, loaded: &Loaded, world: Option<String>, reason: &str) -> TestRecord {
+        let (file, line) = place(test, loaded);
+        TestRecord {
+            name: test.name.to_string(),
+            file,
+            line,
+            outcome: "failed",
+            time_s: 0.0,
+            wall_s: 0.0,
+            seed: self.seed_of(test),
+            world,
+            failure: Some(FailureRecord::of_set_up(reason)),
+            output: Vec::new(),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn seed_of(&self, test: &Test) -> u64 {
+        test.options.seed.unwrap_or(self.arguments.seed.unwrap_or(FIRST_SEED))
+    }
+
+    fn site(&mut self, place: TestPlace) -> Result<Site> {
+        if let Some(site) = self.sites.get(&place) {
+            return Ok(site.clone());
+        }
+        let (world, seed, scenario) = &place;
+        let world = world.as_deref().map(|name| world_files::named(name, &self.robot, *seed)).transpose()?;
+        let scenario = scenario.as_deref().map(plans::scenario).transpose()?;
+        let settings = OfficeSettings::of(self.robot.clone());
+        let site = sites::build(Setup { world, settings, ..Setup::default() }, scenario, self.modules.clone())?;
+        self.sites.insert(place, site.clone());
+        Ok(site)
+    }
+
+    fn run_test(&self, site: &Site, mut loaded: Loaded, test: &Test, world: Option<String>) -> Result<TestRecord> {
+        // The same text at another site: its tests are the same but for the numbers of their code.
+        let code = loaded.tests.iter().find(|known| known.name == test.name).map_or(test.code, |known| known.code);
+        loaded.main = code;
+        let (file, line) = place(test, &loaded);
+        let seed = self.seed_of(test);
+        let until_us = match test.options.until_s {
+            // The clock goes no further.
+            Some(until_s) => microseconds(until_s).unwrap_or(LAST_INSTANT_US),
+            None => self.arguments.until,
+        };
+        let mut system = site.start(loaded, seed);
+        let mut output = Console::keeping();
+        let began = Instant::now();
+        let pace = Pace { until_us: Some(until_us), ..Pace::default() };
+        let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
+        let (outcome, failure, reason) = self.judge(&system, ending, until_us);
+        let reason = match world {
+            None if site.lacks_world() && failure.as_ref().is_some_and(FailureRecord::may_miss_robot) => {
+                format!(
+                    "{reason}\nit ran without a robot: write `:world \"dept\"` behind its name, or add `--world dept`"
+                )
+            }
+            _ => reason,
+        };
+        Ok(TestRecord {
+            name: test.name.to_string(),
+            file,
+            line,
+            outcome,
+            time_s: system.machine.now_s(),
+            seed,
+            world,
+            failure,
+            output: output.take_kept(),
+            wall_s: to_milliseconds(began),
+            reason,
+        })
+    }
+
+    fn judge(
+        &self,
+        system: &System<Robot>,
+        ending: RunEnd,
+        until_us: u64,
+    ) -> (&'static str, Option<FailureRecord>, String) {
+        let colour = self.colour;
+        match ending {
+            RunEnd::Outcome(Outcome::Succeeded(_)) => match system.outside.failed_scenario() {
+                None => ("succeeded", None, String::new()),
+                Some((scenario, failure)) => {
+                    let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour };
+                    let text = reporter.text(SCENARIO_FAILED, failure);
+                    ("failed", reporter.record(failure), text.trim_end().to_string())
+                }
+            },
+            RunEnd::Outcome(Outcome::Failed(failure)) => {
+                let reporter = Reporter { machine: &system.machine, program: &system.program, colour };
+                ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
+            }
+            RunEnd::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
+            RunEnd::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
+            RunEnd::Interrupted | RunEnd::GivenUp => ("interrupted", None, String::new()),
+        }
+    }
+
+    fn tell(&self, record: &TestRecord, width: usize, console: &mut Console) -> Result<()> {
+        let (word, colour) = if record.has_succeeded() { ("ok    ", 32) } else { ("FAILED", 31) };
+        let word = if self.colour { format!("\u{1b}[{colour}m{word}\u{1b}[0m") } else { word.to_string() };
+        console.explain(&format!("{word}  {:width$}  {:>8.1} s", record.name, record.time_s))?;
+        if !record.has_succeeded() {
+            let printed = record.output.iter().flat_map(|text| text.lines()).map(|line| format!("printed: {line}"));
+            for line in record.reason.lines().map(str::to_string).chain(printed) {
+                console.explain(format!("        {line}").trim_end())?;
+            }
+        }
+        Ok(console.flush()?)
+    }
+}
+
+/// The file and the line a test stands in.
+fn place(test: &Test, loaded: &Loaded) -> (String, usize) {
+    let sources = &loaded.program.sources;
+    let (line, _) = sources.line_column(test.span);
+    (sources.get(test.span.source).name.to_string(), line)
+}
+
+/// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.
+fn load_without_world(plan: &PlanText, modules: &[ModuleSource]) -> Result<Result<(Site, Loaded), Rejected>> {
+    let site = Site::with_processes(Setup::default(), modules.to_vec())?;
+    let rejected = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
+        Ok(loaded) => return Ok(Ok((site, loaded))),
+        Err(rejected) => rejected,
+    };
+    if rejected.diagnostics.iter().all(|finding| finding.code != "needs-a-world") {
+        return Ok(Err(rejected));
+    }
+    let site = Site::for_checking(modules.to_vec())?;
+    let loaded = site.library.load(&plan.name, &plan.text, &mut plan.folder.clone());
+    Ok(loaded.map(|loaded| (site, loaded)))
+}

@@ -1,0 +1,47 @@
+//! Drawings as PNG, with letters of our own, so that they are the same wherever they are made.
+
+use super::writing::FAMILY;
+use anyhow::{Context, Result, anyhow};
+use resvg::tiny_skia::{Color, Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+use std::sync::{Arc, LazyLock};
+
+/// Pixels of a PNG for one of the SVG: sharp on paper at its size on the screen.
+const SCALE: f32 = 2.0;
+
+/// A drawing has at most so many pixels.
+const MOST_PIXELS: f64 = 64e6;
+
+/// The letters: DejaVu Sans, upright and bold, with what drawings write.
+static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+    let mut fonts = fontdb::Database::new();
+    fonts.load_font_data(include_bytes!("../fonts/DejaVuSans.ttf").to_vec());
+    fonts.load_font_data(include_bytes!("../fonts/DejaVuSans-Bold.ttf").to_vec());
+    fonts.set_sans_serif_family("DejaVu Sans");
+    Arc::new(fonts)
+});
+
+/// A drawing as PNG; its text chunk `Software` is this mark.
+///
+/// # Errors
+/// It is no drawing, or a page of it would be too large.
+pub fn png(drawing: &str, mark: &str) -> Result<Vec<u8>> {
+    let options = Options { font_family: FAMILY.to_string(), fontdb: FONTS.clone(), ..Options::default() };
+    let tree = Tree::from_str(drawing, &options).context("the drawing cannot be read")?;
+    let size = tree.size();
+    let scale = SCALE.min((MOST_PIXELS / f64::from(size.width() * size.height())).sqrt() as f32);
+    let side = |length: f32| ((length * scale).ceil() as u32).max(1);
+    let (width, height) = (side(size.width()), side(size.height()));
+    let mut pixels = Pixmap::new(width, height).ok_or_else(|| anyhow!("the drawing has no size"))?;
+    // The last pixels lie only partly on the sheet.
+    pixels.fill(Color::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    let colours: Vec<u8> = pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.add_text_chunk("Software".to_string(), mark.to_string())?;
+    encoder.write_header()?.write_image_data(&colours)?;
+    Ok(bytes)
+}

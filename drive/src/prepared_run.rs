@@ -1,0 +1,130 @@
+//! A run that is ready: driven to its end, and told of.
+
+use crate::hosts::{HostLines, astray};
+use crate::journal::{EndKind, JournalEnd};
+use crate::run_driver::{Pace, drive};
+use crate::run_record::{Records, RunEnd};
+use crate::show::figures;
+use crate::show::summary::{RunSummary, report, status, summarize};
+use crate::trace::TraceFile;
+use anyhow::{Context, Result, bail};
+use rpl_mission::robot::Robot;
+use rpl_mission::site::Site;
+use rpl_robot::world::World;
+use rpl_runtime::run::system::System;
+use rpl_shell::files::case_files::KeptCases;
+use rpl_shell::files::module_files::Modules;
+use rpl_shell::files::outputs::OutputFolder;
+use rpl_shell::interrupt;
+use rpl_shell::status::Status;
+use rpl_shell::terminal::console::Console;
+use std::time::Instant;
+
+/// A run that is ready to be driven.
+pub struct PreparedRun {
+    /// Where it runs.
+    pub site: Site,
+    /// The world, if there is one.
+    pub world: Option<World>,
+    /// The run.
+    pub system: System<Robot>,
+    /// The seed it was started with.
+    pub seed: u64,
+    /// How it is driven.
+    pub pace: Pace,
+    /// What is kept of it.
+    pub records: Records,
+    /// Where what the robot remembers goes.
+    pub cases: Option<KeptCases>,
+    /// Where figures go.
+    pub figures: Option<OutputFolder>,
+    /// The lines to its host, if that is not our simulator.
+    pub host_lines: Option<HostLines>,
+    /// Its modules in other processes.
+    pub modules: Modules,
+    /// Whether a summary is written to standard output.
+    pub json: bool,
+    /// Since when there is something to do.
+    pub began: Instant,
+}
+
+impl PreparedRun {
+    /// Drives it to its end.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn drive(mut self, console: &mut Console) -> Result<Status> {
+        let ending = {
+            let _stops = interrupt::stops_runs();
+            drive(&mut self.system, self.pace, console, &mut self.records)
+        };
+        // What cannot be written otherwise is no reason to lose what was learned.
+        let kept = self.keep_cases();
+        let ending = ending?;
+        if let Some(trace) = &mut self.records.trace {
+            trace.finish().context("the trace cannot be written")?;
+        }
+        if let Some(mcap) = &mut self.records.mcap {
+            mcap.finish().context("the MCAP file cannot be written")?;
+        }
+        if let Some(recorder) = &self.records.recorder {
+            recorder.finish().context("the recording cannot be written")?;
+        }
+        if let (Some(folder), Some(world)) = (&mut self.figures, &self.world) {
+            let radius_m = self.site.office().map_or(0.0, |office| office.limits.robot_radius_m);
+            figures::write_mission(folder, world, radius_m, &self.records, self.system.outside.belief().as_ref())?;
+        }
+        if let Some(live) = &mut self.records.live {
+            live.end()?;
+        }
+        let summary = summarize(&self.system, ending, &self.records, self.seed, self.began);
+        let is_written = self.end_journal(ending, &summary)?;
+        report(&self.system, ending, &summary, console);
+        self.tell_divergence(console);
+        if let Some(journal) = &self.records.journal {
+            journal.told_at_end().inspect(|told| console.note(told));
+        }
+        if self.json {
+            console.print(&summary.as_json()?)?;
+        }
+        console.flush()?;
+        if let Some(live) = &mut self.records.live {
+            live.stay(console);
+        }
+        kept?;
+        if !is_written {
+            bail!("the run was stopped because its journal could not be written");
+        }
+        Ok(status(&self.system, ending))
+    }
+
+    /// Writes what the robot remembers, however the run has ended.
+    fn keep_cases(&mut self) -> Result<()> {
+        match (self.cases.take(), self.system.outside.case_memory()) {
+            (Some(cases), Some(memory)) => cases.write(memory),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the journal, if there is one that must be, could be written all the time.
+    fn end_journal(&mut self, ending: RunEnd, summary: &RunSummary) -> Result<bool> {
+        let Records { journal, trace, .. } = &mut self.records;
+        let Some(journal) = journal else { return Ok(true) };
+        let summary = serde_json::to_value(summary).context("the summary cannot be written as JSON")?;
+        let end = JournalEnd { how: EndKind::of(ending), time_us: self.system.machine.now_us, summary };
+        // What was stopped for want of a journal is not over: it goes on from where there is one.
+        if !journal.stops_run() {
+            journal.finish(trace.as_mut().and_then(TraceFile::ledger), &end);
+        }
+        Ok(!journal.stops_run())
+    }
+
+    /// Where the run first did something else than was recorded.
+    fn tell_divergence(&self, console: &mut Console) {
+        let of_host = self.host_lines.as_ref().and_then(HostLines::divergence);
+        let divergence = of_host.or_else(|| self.modules.divergence());
+        if let (Some(divergence), Some(office)) = (divergence, self.site.office()) {
+            console.note(&astray(&divergence, office.settings.robot.step_us));
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! A run that is seen while it goes on, or afterwards: `--live`, `--report`.
+
+use super::feed::Feed;
+use super::head;
+use super::steering::Steering;
+use crate::trace::Header;
+use anyhow::{Context, Result, anyhow};
+use clap::ValueHint;
+use rpl_mission::site::Site;
+use rpl_page::html::{Source, page};
+use rpl_page::report::report;
+use rpl_page::series::{Series, Text};
+use rpl_page::server::Server;
+use rpl_page::server::access::Access;
+use rpl_page::server::news::{RunState, Trouble};
+use rpl_robot::world::World;
+use rpl_shell::files::outputs::OutputFile;
+use rpl_shell::interrupt;
+use rpl_shell::terminal::console::Console;
+use rustix::rand::{GetRandomFlags, getrandom};
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+/// How long the page is kept at a time before somebody looks whether it is to end.
+const NAP: Duration = Duration::from_millis(50);
+
+/// What is shown of a run in a browser.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct LiveArguments {
+    /// Shows the run in a browser while it goes on, and until Ctrl-C; ADDRESS is [HOST][:PORT], without it this machine only
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "localhost", value_hint = ValueHint::Hostname)]
+    pub live: Option<String>,
+    /// Opens the page
+    #[arg(long, requires = "live")]
+    pub open: bool,
+    /// The page can also hold, step, pace and end the run
+    #[arg(long, requires = "live")]
+    pub control: bool,
+    /// The page, or the report, also shows where the robot really is, and what its map has not
+    #[arg(long)]
+    pub truth: bool,
+    /// Writes the run as one HTML file that shows it without a server
+    #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath)]
+    pub report: Option<PathBuf>,
+}
+
+impl LiveArguments {
+    /// Whether anything is shown at all.
+    pub fn is_wanted(&self) -> bool {
+        self.live.is_some() || self.report.is_some()
+    }
+
+    /// Serves a page, and what it asks for of a run with this head of its series, if that is wanted, and says where.
+    ///
+    /// # Errors
+    /// The address cannot be had.
+    pub fn serve(&self, page: String, head: String, console: &mut Console) -> Result<Option<Server>> {
+        let Some(address) = &self.live else { return Ok(None) };
+        let address = socket_address(address)?;
+        let needs_token = self.control || !address.ip().is_loopback();
+        let access = Access { token: needs_token.then(token).transpose()?, control: self.control };
+        let server = Server::start(address, access, page, head).with_context(|| {
+            format!("cannot serve the page at {address}; another port can be given: `--live :0` takes a free one")
+        })?;
+        console.note(&format!("the run is shown at {}", server.link));
+        if self.open {
+            open(&server.link, console);
+        }
+        Ok(Some(server))
+    }
+}
+
+/// The port where no other is given.
+const PORT: u16 = 7420;
+
+/// `localhost`, `:8080`, `0.0.0.0:8080`, `::1`.
+fn socket_address(text: &str) -> Result<SocketAddr> {
+    let whole = match text {
+        _ if text.starts_with(':') && !text.starts_with("::") => format!("localhost{text}"),
+        _ if text.parse::<std::net::Ipv6Addr>().is_ok() => format!("[{text}]:{PORT}"),
+        _ if text.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()) => text.to_string(),
+        _ => format!("{text}:{PORT}"),
+    };
+    let mut found = whole
+        .to_socket_addrs()
+        .with_context(|| format!("`{text}` is no address; such as `localhost:8080` or `0.0.0.0`"))?;
+    let first = found.next();
+    // One that every machine has comes first.
+    found
+        .chain(first)
+        .find(SocketAddr::is_ipv4)
+        .or(first)
+        .ok_or_else(|| anyhow!("`{text}` is no address of this machine"))
+}
+
+/// Nobody guesses it.
+fn token() -> Result<String> {
+    let mut bytes = [0_u8; 16];
+    let filled =
+        getrandom(&mut bytes, GetRandomFlags::empty()).context("the system has no random numbers for a token")?;
+    match filled == bytes.len() {
+        true => Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect()),
+        false => Err(anyhow!("the system has too few random numbers for a token")),
+    }
+}
+
+fn open(link: &str, console: &mut Console) {
+    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let started =
+        Command::new(program).arg(link).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    if let Err(error) = started {
+        console.note(&format!("no browser could be opened with `{program}`: {error}"));
+    }
+}
+
+/// A run that is seen.
+pub struct Live {
+    /// Takes in what happens.
+    pub feed: Feed,
+    /// How the page steers the run.
+    pub steering: Option<Steering>,
+    title: String,
+    report: Option<OutputFile>,
+}
+
+impl Live {
+    /// What the arguments want to be seen of a run that is about to begin; none if that is nothing.
+    ///
+    /// # Errors
+    /// The page cannot be served, or the report cannot be written.
+    pub fn begin(
+        arguments: &LiveArguments,
+        run: &Header,
+        texts: Vec<Text>,
+        (site, world): (&Site, Option<&World>),
+        console: &mut Console,
+    ) -> Result<Option<Self>> {
+        if !arguments.is_wanted() {
+            return Ok(None);
+        }
+        let office = site.office().filter(|_| world.is_some());
+        let robot = office.map(|office| (&office.sensors, &office.limits));
+        let series = Series::new(&head(run, texts, world, robot, arguments.truth));
+        let report = arguments.report.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
+        let title = head::title(run);
+        let server = arguments.serve(page(&title, Source::Server, ""), series.head().to_string(), console)?;
+        let news = server.as_ref().map(|server| server.news.clone());
+        let feed = Feed::new(report.is_some().then_some(series), news, arguments.truth);
+        let steering = server.map(|server| Steering::new(server, arguments.control, run.plan.clone()));
+        Ok(Some(Self { feed, steering, title, report }))
+    }
+
+    /// The run is over: its report is written.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn end(&mut self) -> Result<()> {
+        if let (Some(file), Some(series)) = (self.report.take(), self.feed.kept()) {
+            file.write(report(&self.title, &[series])?.as_bytes())?;
+        }
+        if let Some(steering) = &mut self.steering {
+            steering.stand(RunState::Ended);
+        }
+        Ok(())
+    }
+
+    /// Why the page does not answer, if there is one and that was not told before.
+    pub fn trouble(&mut self) -> Option<Trouble> {
+        self.steering.as_mut()?.trouble()
+    }
+
+    /// Keeps the page until Ctrl-C, if there is one.
+    pub fn stay(&mut self, console: &mut Console) {
+        if let Some(steering) = &mut self.steering {
+            stay(|| steering.trouble(), console);
+        }
+    }
+}
+
+/// Keeps a page until Ctrl-C, and tells its troubles.
+pub fn stay(mut trouble: impl FnMut() -> Option<Trouble>, console: &mut Console) {
+    if interrupt::is_asked() {
+        return;
+    }
+    let _meaning = interrupt::gives_prompt_back();
+    console.note("the page stays until Ctrl-C");
+    while !interrupt::is_asked() {
+        if let Some(trouble) = trouble() {
+            console.note(&trouble.to_string());
+        }
+        thread::sleep(NAP);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_may_leave_out_host_or_port() {
+        for (text, meant) in [
+            ("localhost", "127.0.0.1:7420"),
+            (":8080", "127.0.0.1:8080"),
+            ("0.0.0.0", "0.0.0.0:7420"),
+            ("127.0.0.1:0", "127.0.0.1:0"),
+            ("::1", "[::1]:7420"),
+            ("[::1]:80", "[::1]:80"),
+        ] {
+            assert_eq!(socket_address(text).expect(text).to_string(), meant);
+        }
+        assert!(socket_address("no such host.invalid").is_err());
+    }
+
+    #[test]
+    fn two_tokens_differ() {
+        let (one, other) = (token().expect("one"), token().expect("other"));
+        assert_eq!(one.len(), 32);
+        assert_ne!(one, other);
+    }
+}

@@ -1,0 +1,17 @@
+//! What a run is shown as: events and failures as lines, causes, drawings.
+
+pub mod choice_figures;
+pub mod documentation;
+pub mod event_line;
+pub mod events;
+pub mod failure_report;
+pub mod figures;
+pub mod map;
+pub mod place_figures;
+pub mod projection;
+pub mod revision_story;
+pub mod service;
+pub mod situation;
+pub mod summary;
+pub mod whereabouts;
+pub mod why;

@@ -1,0 +1,159 @@
+//! What a plan is run in, as the command line names it: the world, what happens there, and the seed.
+
+use crate::arguments::completion;
+use crate::arguments::numbers::positive;
+use crate::files::case_files::KeptCases;
+use crate::files::module_files::{self, ModuleVoices, Modules};
+use crate::files::{plans, robot_files, world_files};
+use crate::sites;
+use anyhow::Result;
+use clap::ValueHint;
+use clap_complete::engine::ArgValueCompleter;
+use rpl_mission::cost::MEMORY_GIB;
+use rpl_mission::site::{Setup, Site};
+use rpl_robot::office::OfficeSettings;
+use rpl_robot::world::World;
+use rpl_rupart::RupartSettings;
+use std::env;
+use std::path::Path;
+use std::thread;
+
+/// Arguments that say where a plan runs.
+#[derive(clap::Args, Clone, Debug)]
+pub struct SiteArguments {
+    /// The world the robot is in: a built-in name, or a .toml file; `arena` is drawn from the seed
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
+    pub world: Option<String>,
+    /// The robot: a built-in name, or a .toml file; `b21` without
+    #[arg(long, value_name = "R", requires = "world", add = ArgValueCompleter::new(completion::robots))]
+    pub robot: Option<String>,
+    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
+    #[arg(
+        long,
+        value_name = "M",
+        value_enum,
+        default_value_t = MapArgument::World,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub map: MapArgument,
+    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`), or, for larger worlds,
+    /// 30 cm and 6° (`coarse`)
+    #[arg(
+        long,
+        value_name = "G",
+        value_enum,
+        default_value_t = GridArgument::Fine,
+        requires = "world",
+        hide_possible_values = true
+    )]
+    pub grid: GridArgument,
+    /// The memory that the map and the belief of a world may take, in GiB
+    #[arg(long, value_name = "GIB", requires = "world", default_value_t = MEMORY_GIB, value_parser = positive)]
+    pub memory: f64,
+    /// Seed of every random stream; 1 without
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// A module in another process, by its manifest; once for each
+    #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
+    pub module: Vec<String>,
+    /// Whether they were named elsewhere than on the command line, so that it is told what is started.
+    #[arg(skip)]
+    pub tells_modules: bool,
+    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
+    pub scenario: Option<String>,
+}
+
+/// What the robot knows of the world.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapArgument {
+    /// What the world says is mapped
+    World,
+    /// Nothing
+    None,
+}
+
+impl MapArgument {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            MapArgument::World => "world",
+            MapArgument::None => "none",
+        }
+    }
+}
+
+/// How fine the grid of the belief is.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GridArgument {
+    /// 15 cm and 2°
+    Fine,
+    /// 30 cm and 6°
+    Coarse,
+}
+
+/// Where nothing else is said.
+pub const FIRST_SEED: u64 = 1;
+
+impl SiteArguments {
+    /// The seed of every random stream.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(FIRST_SEED)
+    }
+
+    /// The site, the world of its robot if there is one, and its modules, which have not been started.
+    ///
+    /// # Errors
+    /// There is no such world, scenario, robot or module, or it has faults.
+    pub fn build(&self, voices: ModuleVoices<'_>) -> Result<(Site, Option<World>, Modules)> {
+        let (site, world, modules, _) = self.build_with(voices, None)?;
+        Ok((site, world, modules))
+    }
+
+    /// The same for a robot that remembers what is in a case file, if one is named.
+    ///
+    /// # Errors
+    /// As for [`SiteArguments::build`]; the file cannot be read or written, or has faults.
+    pub fn build_with(
+        &self,
+        voices: ModuleVoices<'_>,
+        cases: Option<&Path>,
+    ) -> Result<(Site, Option<World>, Modules, Option<KeptCases>)> {
+        let Some(world) = &self.world else {
+            let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+            return Ok((sites::without_robot(scenario.as_ref())?, None, Modules::default(), None));
+        };
+        let robot = robot_files::named(self.robot.as_deref())?;
+        let world = world_files::named(world, &robot, self.seed())?;
+        let opened = cases.map(|path| KeptCases::open(path, &world, &robot)).transpose()?;
+        let (cases, memory) = opened.unzip();
+        let rupart = RupartSettings { memory: memory.flatten(), ..RupartSettings::default() };
+        let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
+        let (modules, sources) = module_files::named(&self.module, voices)?;
+        let usual = OfficeSettings::of(robot);
+        let localization = match self.grid {
+            GridArgument::Fine => usual.localization,
+            GridArgument::Coarse => usual.localization.coarsened(),
+        };
+        let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
+        compute_along();
+        let site = sites::build(
+            Setup { world: Some(world.clone()), settings, memory_gib: self.memory, rupart, ..Setup::default() },
+            scenario,
+            sources,
+        )?;
+        Ok((site, Some(world), modules, cases))
+    }
+}
+
+/// Makes this thread one of those that compute what is shared out. Otherwise it would wait for as many others, and they
+/// could not use the memory it has given back to the allocator, which is much where the map is large.
+fn compute_along() {
+    // One that is alone would be waited for by all others, and who says how many there are to be has them as usual.
+    let are_several = thread::available_parallelism().is_ok_and(|threads| threads.get() > 1);
+    if are_several && env::var_os("RAYON_NUM_THREADS").is_none() {
+        // An error tells that there are threads already.
+        let _ = rayon::ThreadPoolBuilder::new().use_current_thread().build_global();
+    }
+}

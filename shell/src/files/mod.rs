@@ -1,0 +1,15 @@
+//! Files: which are read and written, and what is in them.
+
+#[cfg(unix)]
+mod accounts;
+pub mod case_files;
+pub mod foreign;
+pub mod inputs;
+pub mod maps;
+pub mod module_files;
+pub mod outputs;
+pub mod plans;
+pub mod project_file;
+pub mod robot_files;
+pub mod shown;
+pub mod world_files;
