@@ -26,4 +26,4 @@ from ._module import Behaviour, Module
 from ._values import Failure, Percept, Pose, Position, Symbol, Tick, Value
 
 __all__ = ["Behaviour", "Failure", "Module", "Percept", "Pose", "Position", "Symbol", "Tick", "Value"]
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 from rpl_module import Behaviour, Failure, Module, Symbol, Tick
 
-HELLO = {"type": "hello", "protocol": 1, "rpl": "0.1.0", "module": "m", "period_us": 50000, "pace": "lock-step", "seed": 7}
+HELLO = {"type": "hello", "protocol": 1, "rpl": "0.2.0", "module": "m", "period_us": 50000, "pace": "lock-step", "seed": 7}
 
 
 def start(behaviour: str, **arguments: Any) -> Dict[str, Any]:
