@@ -41,9 +41,12 @@ pub fn base_name(name: &str) -> &str {
     Qualifier::split(name).map_or(name, |(_, base)| base)
 }
 
-/// The table of names of one program; append-only.
+/// The table of names of one program; append-only. Copies share it until one of them gets another name.
 #[derive(Clone, Debug, Default)]
-pub struct Symbols {
+pub struct Symbols(Arc<Names>);
+
+#[derive(Clone, Debug, Default)]
+struct Names {
     names: Vec<Arc<str>>,
     /// Interned names only, by the hash of the name: an uninterned symbol is in `names` and not here.
     by_name: HashTable<Symbol>,
@@ -54,21 +57,9 @@ pub struct Symbols {
 /// What a name takes beside its text: its place in both tables, and the counters in front of it.
 const BYTES_A_NAME: usize = 96;
 
-impl Symbols {
-    /// The symbol of this name, made if need be. The name is taken as it is: folding to lower
-    /// case is the reader's work.
-    pub fn intern(&mut self, name: &str) -> Symbol {
-        let hash = hash(name);
-        if let Some(symbol) = self.find_hashed(hash, name) {
-            return symbol;
-        }
-        let symbol = self.add(name.into());
-        self.enter(hash, symbol);
-        symbol
-    }
-
-    fn find_hashed(&self, hash: u64, name: &str) -> Option<Symbol> {
-        self.by_name.find(hash, |symbol| *self.names[symbol.0 as usize] == *name).copied()
+impl Names {
+    fn find(&self, of_name: u64, name: &str) -> Option<Symbol> {
+        self.by_name.find(of_name, |symbol| *self.names[symbol.0 as usize] == *name).copied()
     }
 
     fn enter(&mut self, of_name: u64, symbol: Symbol) {
@@ -81,15 +72,30 @@ impl Symbols {
         self.names.push(name);
         Symbol(self.names.len() as u32 - 1)
     }
+}
+
+impl Symbols {
+    /// The symbol of this name, made if need be. The name is taken as it is: folding to lower
+    /// case is the reader's work.
+    pub fn intern(&mut self, name: &str) -> Symbol {
+        let hash = hash(name);
+        if let Some(symbol) = self.0.find(hash, name) {
+            return symbol;
+        }
+        let names = Arc::make_mut(&mut self.0);
+        let symbol = names.add(name.into());
+        names.enter(hash, symbol);
+        symbol
+    }
 
     /// Bytes of all names.
     pub fn bytes(&self) -> usize {
-        self.bytes
+        self.0.bytes
     }
 
     /// The symbol of this name, if there is one.
     pub fn find(&self, name: &str) -> Option<Symbol> {
-        self.find_hashed(hash(name), name)
+        self.0.find(hash(name), name)
     }
 
     /// The symbol `library:NAME` or `global:NAME`.
@@ -100,33 +106,34 @@ impl Symbols {
 
     /// A new symbol that no text can name, printed as `#:stem12`.
     pub fn uninterned(&mut self, stem: &str) -> Symbol {
-        self.add(format!("{UNINTERNED}{stem}{}", self.names.len()).into())
+        let name = format!("{UNINTERNED}{stem}{}", self.len());
+        Arc::make_mut(&mut self.0).add(name.into())
     }
 
     /// The name of a symbol of this table.
     pub fn name(&self, symbol: Symbol) -> &str {
-        &self.names[symbol.0 as usize]
+        &self.0.names[symbol.0 as usize]
     }
 
     /// Whether a symbol is in this table.
     pub fn contains(&self, symbol: Symbol) -> bool {
-        (symbol.0 as usize) < self.names.len()
+        (symbol.0 as usize) < self.len()
     }
 
     /// How many symbols there are.
     pub fn len(&self) -> usize {
-        self.names.len()
+        self.0.names.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.names.is_empty()
+        self.0.names.is_empty()
     }
 }
 
 impl Serialize for Symbols {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.names.serialize(serializer)
+        self.0.names.serialize(serializer)
     }
 }
 
@@ -136,16 +143,16 @@ impl<'de> Deserialize<'de> for Symbols {
         let bytes = names.iter().map(|name| BYTES_A_NAME + name.len()).sum();
         let interned = names.iter().enumerate().filter(|(_, name)| !is_uninterned(name));
         let interned: Vec<(u64, Symbol)> = interned.map(|(index, name)| (hash(name), Symbol(index as u32))).collect();
-        let mut symbols = Self { names, by_name: HashTable::with_capacity(interned.len()), bytes };
-        interned.into_iter().for_each(|(hash, symbol)| symbols.enter(hash, symbol));
-        Ok(symbols)
+        let mut names = Names { names, by_name: HashTable::with_capacity(interned.len()), bytes };
+        interned.into_iter().for_each(|(hash, symbol)| names.enter(hash, symbol));
+        Ok(Self(Arc::new(names)))
     }
 }
 
 /// The same names under the same numbers.
 impl PartialEq for Symbols {
     fn eq(&self, other: &Self) -> bool {
-        self.names == other.names
+        self.0.names == other.0.names
     }
 }
 
