@@ -1,14 +1,11 @@
 //! Names as they are written: bare, or between bars where the bare name would be read as something else.
 
-use crate::lexer::{Token, lex, unescape};
+use crate::lexer::{BAR, Token, is_of_word, lex, unescape};
 use crate::number::begins_like_number;
 use crate::source::SourceId;
 use crate::symbol::{base_name, fold_name, is_uninterned};
-use crate::visible::{delimited, is_invisible, visible};
+use crate::visible::{delimited, visible};
 use std::borrow::Cow;
-
-/// What stands on both sides of a name of any characters.
-pub const BAR: char = '|';
 
 /// The name of a symbol as it is written; one made by `gensym`, which cannot be read, as it is shown.
 pub fn written_name(name: &str) -> Cow<'_, str> {
@@ -58,9 +55,4 @@ fn is_bare(name: &str) -> bool {
 /// Whether the name is one word in lower case.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.chars().all(is_of_word) && fold_name(name) == name
-}
-
-/// Whether a character may stand in a bare name.
-pub(crate) fn is_of_word(character: char) -> bool {
-    !is_invisible(character) && !character.is_whitespace() && !"()[]{}'`,\";|".contains(character)
 }

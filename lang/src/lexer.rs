@@ -3,13 +3,15 @@
 //! Every byte but white space lies in some token, comments included, so that a highlighter can use
 //! the same tokens; [`crate::reader`] skips the comments.
 
-use crate::bars::{BAR, is_of_word};
 use crate::diagnostic::Diagnostic;
 use crate::number::{NumberLiteral, begins_like_number, parse_number};
 use crate::source::{BYTE_ORDER_MARK, LINE_ENDS, SourceId, Span, holds_code};
 use crate::symbol::is_uninterned;
 use crate::visible::{is_invisible, named, reorders, visible};
 use logos::{FilterResult, Logos};
+
+/// What stands on both sides of a name of any characters.
+pub const BAR: char = '|';
 
 /// The marks that stand before a datum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -386,6 +388,11 @@ fn unterminated_name(lexer: &mut Lexer<'_>) -> Token {
     let word = rest.find(|character| !is_of_word(character)).unwrap_or(rest.len());
     lexer.bump(word);
     Token::Error
+}
+
+/// Whether a character may stand in a bare name.
+pub(crate) fn is_of_word(character: char) -> bool {
+    !is_invisible(character) && !character.is_whitespace() && !"()[]{}'`,\";|".contains(character)
 }
 
 fn unterminated_string(lexer: &mut Lexer<'_>) -> Token {

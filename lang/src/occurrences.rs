@@ -5,12 +5,12 @@
 //! names in it are found by what the expansion reads and binds; where that does not tell which of
 //! several variables of one name is meant, the occurrence is not certain.
 
-use crate::bars::BAR;
 use crate::check::walk::each_function_form;
 use crate::code::Program;
 use crate::compile::Resolved;
 use crate::compile::ir::{Callee, Function, IrKind, VarId};
 use crate::compile::resolved::Defined;
+use crate::lexer::BAR;
 use crate::reader::read;
 use crate::source::{SourceId, Span};
 use crate::symbol::{Qualifier, Symbol, Symbols};

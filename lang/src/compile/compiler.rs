@@ -2,7 +2,7 @@
 
 use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
 use super::expansion::Expansion;
-use super::forms::{Goals, UndefinedGoal};
+use super::goals::{Goals, Methods, UndefinedGoal};
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
@@ -127,14 +127,6 @@ pub(crate) struct Unknown {
     pub(super) span: Span,
     /// What is bound around it.
     pub(super) around: Surrounding,
-}
-
-/// The methods a goal has so far.
-pub(super) struct Methods {
-    /// Plans, in the order of their definition.
-    pub(super) plans: Vec<Symbol>,
-    /// The parameters of the first.
-    pub(super) parameters: NodeId,
 }
 
 impl<'a> Compiler<'a> {

@@ -2,7 +2,6 @@
 
 use super::compiler::Compiler;
 use super::ir::{Ir, ParameterBinding, VarId};
-use super::pattern::Lists;
 use crate::code::Parameters;
 use crate::symbol::Symbol;
 use crate::syntax::NodeId;
@@ -17,6 +16,13 @@ pub(super) enum Section {
     Optional,
     Rest,
     Key,
+}
+
+/// Whether a parameter may be a list that is taken apart.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Lists {
+    Refused,
+    Taken,
 }
 
 impl Compiler<'_> {

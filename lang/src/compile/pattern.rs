@@ -2,7 +2,7 @@
 
 use super::compiler::Compiler;
 use super::ir::{Ir, IrKind, Unary, VarId};
-use super::lambda_list::Section;
+use super::lambda_list::{Lists, Section};
 use crate::code::{Atom, Constant, Part};
 use crate::source::Span;
 use crate::syntax::NodeId;
@@ -145,11 +145,4 @@ impl Compiler<'_> {
         let value = Ir { span, kind: IrKind::Unary(Unary::Car, Box::new(there.clone())) };
         self.bind_omissible_part(node, there, value, whole);
     }
-}
-
-/// Whether a parameter may be a list that is taken apart.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Lists {
-    Refused,
-    Taken,
 }

@@ -3,7 +3,8 @@
 
 use super::compiler::{Compiler, Unknown};
 use super::foreign;
-use super::forms::{GOAL_PREFIX, special_names};
+use super::forms::special_names;
+use super::goals::GOAL_PREFIX;
 use super::locals::Surrounding;
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;

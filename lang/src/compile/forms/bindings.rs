@@ -4,7 +4,7 @@ use super::special_form::{Role, SpecialForm, Written};
 use crate::code::CodeKind;
 use crate::compile::compiler::{Compiler, thunk};
 use crate::compile::ir::{Function, Ir, IrKind, VarId};
-use crate::compile::pattern::Lists;
+use crate::compile::lambda_list::Lists;
 use crate::layout::ItemShape::{Bindings, Data};
 use crate::layout::Layout;
 use crate::layout::Style::Body;

@@ -6,7 +6,7 @@ use crate::compile::compilation::Purpose;
 use crate::compile::compiler::{Compiler, thunk};
 use crate::compile::emit;
 use crate::compile::ir::{Ir, IrKind};
-use crate::compile::pattern::Lists;
+use crate::compile::lambda_list::Lists;
 use crate::compile::resolved::{Defined, TopLevel};
 use crate::layout::ItemShape::{Data, Form};
 use crate::layout::Layout;

@@ -7,20 +7,18 @@
 
 use super::special_form::{Role, SpecialForm, Written};
 use crate::code::{CodeKind, GlobalKind};
-use crate::compile::compiler::{Compiler, Methods};
+use crate::compile::compiler::Compiler;
+use crate::compile::goals::{GOAL_PREFIX, GoalPattern, Goals, Methods, UndefinedGoal, note_goal};
 use crate::compile::ir::Ir;
 use crate::source::Span;
 use crate::suggest::suggest;
-use crate::symbol::{Qualifier, Symbol, Symbols};
+use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{NodeId, NodeKind};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const FORM: &str =
     "`(def-goal (achieve (NAME PARAMETER...)) FORM...)`, where names are words among parameters that begin with `?`";
-
-/// With the goal's name it makes the name of its plan.
-pub(in crate::compile) const PREFIX: &str = "achieve-";
 
 pub(super) const FORMS: &[SpecialForm] = &[SpecialForm {
     names: &["achieve"],
@@ -31,67 +29,12 @@ pub(super) const FORMS: &[SpecialForm] = &[SpecialForm {
     role: Role::Plain(|compiler, written| compiler.achieve(written)),
 }];
 
-/// A goal with words.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::compile) struct GoalPattern {
-    /// What stands behind its name: words, and none for a parameter.
-    elements: Vec<Option<Symbol>>,
-    /// The plan that achieves it.
-    plan: Symbol,
-}
-
-/// A goal that nothing has defined where it is to be achieved.
-pub(in crate::compile) struct UndefinedGoal {
-    name: Symbol,
-    span: Span,
-    /// Where names stand that are elements of it.
-    pub(in crate::compile) elements: Vec<Span>,
-}
-
-/// The goals of one name.
-#[derive(Default)]
-pub(in crate::compile) struct Goals {
-    /// Those with words, in the order of their definition.
-    patterns: Vec<GoalPattern>,
-    /// Whether there is one without words.
-    has_plain: bool,
-}
-
-/// What a plan achieves, by its name: the name of the goal, and its elements if it has words.
-fn achieved(plan: &str) -> Option<(&str, Option<Vec<&str>>)> {
-    let goal = plan.strip_prefix(PREFIX)?;
-    match goal.strip_prefix('(').and_then(|goal| goal.strip_suffix(')')) {
-        None => Some((goal, None)),
-        Some(goal) => {
-            let mut elements = goal.split(' ');
-            Some((elements.next()?, Some(elements.collect())))
-        }
-    }
-}
-
-/// Adds the goal that a plan achieves, if it achieves one.
-fn note(goals: &mut BTreeMap<Symbol, Goals>, symbols: &mut Symbols, plan: Symbol) {
-    let name = symbols.name(plan).to_string();
-    let Some((goal, elements)) = achieved(&name) else { return };
-    let goals = goals.entry(symbols.intern(goal)).or_default();
-    match elements {
-        None => goals.has_plain = true,
-        Some(elements) => {
-            let word = |element: &str| (element != "?").then(|| symbols.intern(element));
-            let pattern = GoalPattern { elements: elements.into_iter().map(word).collect(), plan };
-            if !goals.patterns.contains(&pattern) {
-                goals.patterns.push(pattern);
-            }
-        }
-    }
-}
-
 impl Compiler<'_> {
     /// Notes the goals that the program has, and those that forms define, so that each can be achieved above its
     /// definition.
     pub(in crate::compile) fn note_goals(&mut self, forms: &[NodeId]) {
         let mut known: Vec<(u32, Symbol)> = self.program.names.iter().map(|(&name, &global)| (global, name)).collect();
-        known.retain(|&(_, name)| self.symbols.name(name).starts_with(PREFIX));
+        known.retain(|&(_, name)| self.symbols.name(name).starts_with(GOAL_PREFIX));
         known.sort_unstable();
         let defined = forms.iter().filter_map(|&form| {
             let is_goal = self.tree.head(form).is_some_and(|head| self.symbols.name(head) == "def-goal");
@@ -99,10 +42,10 @@ impl Compiler<'_> {
         });
         let defined: Vec<NodeId> = defined.collect();
         let mut goals = BTreeMap::new();
-        known.into_iter().for_each(|(_, plan)| note(&mut goals, self.symbols, plan));
+        known.into_iter().for_each(|(_, plan)| note_goal(&mut goals, self.symbols, plan));
         for goal in defined {
             if let Some((plan, _)) = self.goal_plan(goal) {
-                note(&mut goals, self.symbols, plan);
+                note_goal(&mut goals, self.symbols, plan);
             }
         }
         self.goals = goals;
@@ -130,7 +73,8 @@ impl Compiler<'_> {
                 (pattern.plan, arguments.map(|(_, &argument)| argument).collect())
             }
             (None, Some(goals)) if !goals.has_plain => {
-                let known = goals.patterns.iter().filter_map(|goal| self.symbols.name(goal.plan).strip_prefix(PREFIX));
+                let known =
+                    goals.patterns.iter().filter_map(|goal| self.symbols.name(goal.plan).strip_prefix(GOAL_PREFIX));
                 let known = known.map(|goal| format!("`{goal}`")).collect::<Vec<_>>().join(", ");
                 let meant = self.meant_word(goals, &symbols);
                 let meant =
@@ -141,7 +85,7 @@ impl Compiler<'_> {
             }
             (None, goals) => {
                 let is_undefined = goals.is_none();
-                let plan = format!("{PREFIX}{}", self.symbols.name(name));
+                let plan = format!("{GOAL_PREFIX}{}", self.symbols.name(name));
                 let plan = self.symbols.intern(&plan);
                 if is_undefined {
                     let span = self.tree.span(goal);
@@ -192,7 +136,7 @@ impl Compiler<'_> {
             self.malformed(span, FORM);
             return;
         };
-        note(&mut self.goals, self.symbols, plan);
+        note_goal(&mut self.goals, self.symbols, plan);
         let body = &rest[1..];
         let Some(mut methods) = self.methods.remove(&plan) else {
             self.define_plan(plan, parameters, body, span);
@@ -233,7 +177,7 @@ impl Compiler<'_> {
         let is_parameter = |name: &str| name.starts_with('?');
         let (name, span) = (self.symbols.name(name), self.tree.span(head));
         if !names.iter().any(|name| is_parameter(name)) || names.iter().all(|name| is_parameter(name)) {
-            let plan = format!("{PREFIX}{name}");
+            let plan = format!("{GOAL_PREFIX}{name}");
             return Some((self.symbols.intern(&plan), self.tree.list(&elements, span)));
         }
         // Among words there is no other form of parameter; and the name of the plan tells where one ends.
@@ -242,7 +186,7 @@ impl Compiler<'_> {
             return None;
         }
         let shown: Vec<&str> = names.iter().map(|name| if is_parameter(name) { "?" } else { name }).collect();
-        let plan = format!("{PREFIX}({name} {})", shown.join(" "));
+        let plan = format!("{GOAL_PREFIX}({name} {})", shown.join(" "));
         let parameters: Vec<NodeId> =
             elements.iter().zip(&names).filter(|(_, name)| is_parameter(name)).map(|(&node, _)| node).collect();
         Some((self.symbols.intern(&plan), self.tree.list(&parameters, span)))

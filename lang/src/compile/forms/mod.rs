@@ -22,7 +22,6 @@ use super::ir::Ir;
 use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::NodeId;
-pub(in crate::compile) use goal::{Goals, PREFIX as GOAL_PREFIX, UndefinedGoal};
 pub use special_form::SpecialForm;
 pub(super) use special_form::{Role, Written};
 
