@@ -1,6 +1,9 @@
-//! The `rpl` command: `commands` has a file for each subcommand, with its arguments, its help and what it does. Runs are
-//! driven by the crate `drive`, the prompt is the crate `prompt`, and runs over many seeds are those of `experiments`;
-//! files and terminal are reached by `shell`. `embedded` is what programs use that have the command in them.
+//! The `rpl` command: `commands` has a file for each subcommand, with its arguments, its help and what it does. Runs
+//! are driven by the crate `drive`, the prompt is the crate `prompt`, and runs over many seeds are those of
+//! `experiments`; files and terminal are reached by `shell`.
+//!
+//! Read in this order: this file (from words to an exit status), `commands`, then any of its files; `version` (the
+//! build) and `embedded` (for programs that have the command in them).
 
 mod commands;
 pub mod embedded;

@@ -1,8 +1,13 @@
-//! Drawings as SVG and PNG, in one palette: maps with what a robot did in them, scales of colour, charts' parts.
+//! Drawings as SVG and PNG, in one palette: maps with the doings of a robot in them, scales of colour, parts of charts.
 //!
-//! Read in this order: `palette`; `frame` (from the map to the page); `sheet` (title, map, scale, legend on one page); `floor_plan` (what stands where);
-//! `ink` (cells as one outline, lines with fewer points); `labels` (names that do not cover each other); `shades` (numbers as
-//! darkness); `marks` (robots, targets, points); `figure` (all of it together); `raster` (PNG).
+//! A drawing is a plan of the floor, tracks, dots and marks, each with its meaning. Colours, legend, scale, the place
+//! of names and the image beside it follow from that.
+//!
+//! Read in this order: `palette`; `frame` (from the map to the page); `writing` (text: its width, its lines); `sheet`
+//! (title, map, scale, legend on one page); `floor_plan` (what stands where); `ink` (cells as one outline, lines with
+//! fewer points); `labels` (names that do not cover each other); `marks` (robots, targets, lines) and `legend` (their
+//! meaning); `shades` (numbers as darkness) and `field` (the same around the robot); `figure` (all of it together);
+//! `raster` (PNG).
 
 mod field;
 mod figure;

@@ -1,10 +1,18 @@
 //! Runs that are driven: paced, written down, shown, stopped, and gone on with.
 //!
-//! `run_driver` drives a system to its end, and `prepared_run` what belongs to one. Onlookers of a run are `trace`
-//! (lines of JSON), `mcap` (recordings for ROS tools), `journal` (what a run is gone on with from), and `seen` (the page
-//! in a browser); `run_record` is what is kept of it. `show` says what a person is told of a run. `stopping` says where a
-//! run that is stepped through stands still, for the prompt, debuggers and the page. `recorded_run` and `hosts` are runs
-//! that are repeated, and robots in other processes.
+//! A driver is a loop around the step of a system. It hands everything that happens to the onlookers of the run. They
+//! change nothing in it: a run gives the same bytes with and without them.
+//!
+//! Read in this order:
+//!
+//! - `show`: a run told to a person: lines, causes, tables, drawings;
+//! - `trace`, `mcap`: onlookers that write files: lines of JSON, recordings for ROS tools;
+//! - `stopping`: where a run that is stepped through stands still; one rule for the prompt, debuggers and the page;
+//! - `seen`: the onlooker behind the page in a browser, and the page's hand on the run;
+//! - `recorded_run`: all that builds the same run again; `hosts`: robots in other processes;
+//! - `journal`: the onlooker from whose files a run is gone on with;
+//! - `run_record`: all onlookers of a run, and what they keep;
+//! - `run_driver`: drives a system to its end; `prepared_run`: the same with everything that belongs to it.
 
 pub mod hosts;
 pub mod journal;

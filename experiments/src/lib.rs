@@ -1,4 +1,20 @@
 //! Experiments: a plan over many seeds, in parallel, as a table.
+//!
+//! An experiment is a *kind* (`kind`): a run as a function of its seed, with a record that can be written down, and a
+//! table that is a fold of the records in the order of the seeds. So the records may come from threads of this process,
+//! or from parts that others have written (`part`), and the table cannot tell. Where a drawing needs more of a run than
+//! its record, the run is driven again.
+//!
+//! `conduct` sees no types of a kind (`any_kind`): it is compiled once, and not for each kind. A cluster is somebody
+//! else's: the package for Python makes each shard a task of Ray, and puts the parts together as they come.
+//!
+//! Read in this order:
+//!
+//! - `kind`, `any_kind`, `seeds`, `part`, `conduct`, `findings`, `request`: how experiments are done;
+//! - `statistics`, `numbers`, `samples`, `reliability`, `over_time`, `failed_runs`, `chart`: figures made of their
+//!   records;
+//! - `trial`, `row_result`, `missions`, `calibration`, `day`: missions over seeds;
+//! - `catalogue`: the experiments with a name; those that are no missions have a file or a folder of their own.
 
 mod any_kind;
 mod barn;

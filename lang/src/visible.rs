@@ -3,6 +3,9 @@
 //! Names, task paths and messages are made of what plans and files contain. Wherever they are shown
 //! – but for what a plan prints itself – such characters stand there as `\u{…}`, so that no text
 //! looks like another, and none moves the cursor or changes the colours.
+//!
+//! Names and reasons from outside the run (files and their names, hosts, modules, recordings) are made visible where
+//! they enter a message.
 
 use std::borrow::Cow;
 

@@ -33,7 +33,8 @@
 //! run prints and traces is handed out. Whatever is wrong is a value ([`error::SiteError`]) that says
 //! what was found, where, and what would be right.
 //!
-//! Read in this order: `site`, `libraries`, `modules`, `scenario`, `robot` and `sight`, `run`, `reference`, `examples`, `cost`, `error`.
+//! Read in this order: `site`, `libraries`, `modules`, `scenario`, `robot` and `sight`, `run`, `reference`, `examples`,
+//! `cost`, `error`.
 
 pub mod cost;
 pub mod error;

@@ -1,4 +1,7 @@
 //! What plans and scenarios can call: native functions, the prelude, and the plans of the robot.
+//!
+//! The library of plans without a robot is kept compiled (`compiled_library`), so that no process begins with compiling
+//! it; a test compares it with the texts. Every other library is compiled where it is needed.
 
 use crate::error::SiteError;
 use crate::modules::{self, own_modules};

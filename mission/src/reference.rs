@@ -1,5 +1,9 @@
 //! Everything that has a name, in one table: for `rpl doc`, and for whatever completes or explains
 //! names. It is put together from the tables the compiler, the library and the robot work with.
+//!
+//! The command documents from it, the prompt and the editor complete from it, and the grammar of editors is made of it.
+//! It stands here because only this crate knows all libraries, and because the command and the editor both import this
+//! crate.
 
 mod topics;
 

@@ -77,7 +77,7 @@ mod tests {
             Faults::let_go(before);
             prompt.forms("(list n (now))", &Until::End).expect("it is written");
         });
-        assert!(kept.iter().any(|line| line.contains("a made-up fault (cli/src/repl/guard.rs:")), "{kept:?}");
+        assert!(kept.iter().any(|line| line.contains("a made-up fault (prompt/src/guard.rs:")), "{kept:?}");
         assert_eq!(kept.last().map(String::as_str), Some("(1 2.0)"), "what it did is undone");
     }
 

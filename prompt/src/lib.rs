@@ -1,5 +1,20 @@
-//! `rpl` and `rpl step`: the prompt at which plans are written, run, stopped, looked at, stepped
-//! through and taken back.
+//! `rpl` and `rpl step`: the prompt at which plans are written, run, stopped, looked at, stepped through and taken
+//! back. `rpl dap`, the debug adapter, is another front of the same session.
+//!
+//! The prompt goes back in time with copies of the whole system, and with replay from the last one before the instant
+//! (`timeline` of the runtime). At a terminal, lines are edited in a thread of their own and handed in between two
+//! instants; so a run paced by the clock stays what it would be without a prompt.
+//!
+//! Read in this order:
+//!
+//! - `session` and `runner`: a run, its history, its forks; going on with it;
+//! - `command` (the table of the commands) and `forms` (texts handed in);
+//! - `steering`, `standpoint`, `timing`: going on; `past`: going back; `projecting`: looking ahead;
+//! - `inspection`, `present`, `listings`: looking; `documenting`, `definitions`, `writing`, `external_editor`: texts;
+//! - `vocabulary`, `margins`, `line_editor`, `line_thread`, `live_prompt`, `clock`, `conversation`: a person at a
+//!   terminal;
+//! - `intervention`, `repetition`: sessions that are repeated; `faults`, `guard`: keeping the prompt alive;
+//! - `debugger`.
 
 mod clock;
 mod command;

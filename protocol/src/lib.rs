@@ -1,10 +1,10 @@
-//! What is said to processes outside the deterministic core, and what they answer: modules written in
-//! other languages, and hosts that move a robot.
+//! What is said to processes outside the deterministic core, and what they answer: modules written in other languages,
+//! and hosts that move a robot.
 //!
-//! Everything here is a value or a function of values. Who carries the words stands behind the trait
-//! [`line::Line`]; pipes, sockets, threads and clocks are in the crate `link`.
+//! Everything here is a value or a function of values. Who carries the words stands behind the trait [`line::Line`];
+//! pipes, sockets, threads and clocks are in the crate `link`.
 //!
-//! Read `line` first, then `value` and `module`, `host`, `token`, `course` and `thinking`.
+//! Read `line` first, then `value` and `module`; `host`, `remote_host`, `guard` and `course`; `token` and `thinking`.
 
 pub mod course;
 pub mod guard;

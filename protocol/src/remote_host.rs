@@ -1,4 +1,5 @@
 //! A host in another process, as a run has it: where the run stands in the conversation with it.
+//! An answer given at a turn stays for every copy of the run; only a new turn is spoken.
 
 use crate::course::Course;
 use crate::host::{CommandsMessage, HostAnswer, PerceptMessage};

@@ -4,6 +4,8 @@
 //! While something is under way there is a turn at each step of the robot: the run tells what it has come to ask and
 //! what it wants to know no more, and hears what is answered. The question itself does not go over the line: who
 //! thinks in this process is handed it ([`AskedQuestion::thought`]), and a recording needs none.
+//!
+//! It is one more conversation by turns; so copies, recordings and journals hear the answers again.
 
 use crate::line::{Conversation, Line, LineFault};
 use rpl_runtime::robot::thinking::{Insight, Thought, Ticket};

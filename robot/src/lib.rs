@@ -1,16 +1,26 @@
-//! The robot, from the ground up: `geometry` and `sensors`; `description` (robots as data, read with
-//! `file_text`); `occupancy` (maps as grids, distances and
-//! rays); `world` (what stands where) and `buildings` (worlds drawn from a seed); `localization` (where the robot is) and `recording` (the same on
-//! recorded drives); `active` (how it finds out); `planning` (ways and plans); `simulator` (the robot
-//! and its world, step by step); `avoidance` (keeping off); `obstacles` (what its sensors have found);
-//! `vision` (what its camera has found); `navigation` (driving by all of these). `office` binds them to the runtime.
+//! The robot, from the ground up. Read in this order; a module imports only from those above it:
 //!
-//! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock,
-//! no thread order, no file. Each module separates an immutable *model* (built once from a world,
-//! shared, never saved) from a mutable *state* (cloned for a fork, serialized for a save).
+//! - `geometry`;
+//! - `file_text`: texts that people write, and the faults in them;
+//! - `sensors`: measuring distances; `occupancy`: maps as grids, distances and rays;
+//! - `description`: robots as data;
+//! - `world`: what stands where;
+//! - `localization`: where the robot is, by ranges and landmarks;
+//! - `recording`: the same on recorded drives; `active`: drives that find it out;
+//! - `planning`: ways and plans; `buildings`: worlds drawn from a seed;
+//! - `avoidance`: keeping off;
+//! - `vision`: findings of a camera: colours, blobs, sheets on the floor and on walls;
+//! - `simulator`: the robot and its world, step by step; `obstacles`: findings of its range sensors;
+//! - `navigation`: drives to targets by all of these;
+//! - `foresight`: what will probably become of drives and grasps;
+//! - `office`: behaviours, fluents and functions of plans; it alone imports the runtime.
 //!
-//! Units are SI, angles radians counter-clockwise, x forward and y left in the robot frame;
-//! frames `map` (the world), `odom` (dead reckoning), `base` (the robot).
+//! Every algorithm here is a pure function of its inputs and of seeded random streams: no clock, no thread order, no
+//! file. Each module separates an immutable *model* (built once from a world, shared, never saved) from a mutable
+//! *state* (cloned for a fork, serialized for a save).
+//!
+//! Units are SI, angles radians counter-clockwise, x forward and y left in the robot frame; frames `map` (the world),
+//! `odom` (dead reckoning), `base` (the robot).
 
 pub mod active;
 pub mod avoidance;

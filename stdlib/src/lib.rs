@@ -4,6 +4,13 @@
 //! A native gives its value at once: it never waits, never calls back into a plan and never walks
 //! a circular list without end. Whatever takes a function as an argument stands in the prelude.
 //! Tasks, fluents, time, valves and behaviours belong to the runtime.
+//!
+//! Revision is a plan of this library (`prelude/revision.rpl`, `prelude/rules.rpl`). Rules are functions from a
+//! projection and a plan, as data, to a plan. `with-foresight` is a policy. It compares what the rules make of a plan
+//! with the plan that runs, each as a projected `swap-plan`, and swaps in the better one.
+//!
+//! Read `arguments` and `support` first, then the natives by topic, from `predicates` and `numbers` on; then the
+//! prelude: `constructs.rpl`, `functions.rpl`, `queues.rpl`, `foresight.rpl`, `revision.rpl`, `rules.rpl`.
 
 mod arguments;
 mod elements;

@@ -1,8 +1,19 @@
 //! Journals of runs: a run written down while it goes on, and gone on with (`docs/journal.md`).
 //!
-//! `head` says what the run is, `ledgers` are the files that grow, `outside` what came from other processes,
-//! `checkpoints` the saved runs and `cadence` when there is one, `end` how it ended; `run_journal` writes all of them while the run is driven.
-//! `session_journal` is what there is of a session at the prompt.
+//! A journal has the description of the run with all texts, a saved system now and then, and the files that the run
+//! writes on and on. A run is a value that gives the same bytes again; so nothing is written for each instant. The
+//! stretch behind the last checkpoint is computed again, compared with the files, and handed out from where the two
+//! part. The time of a checkpoint depends on its cost, and the run cannot tell.
+//!
+//! The words of other processes stand beside the checkpoints, with a mark for each instant that followed from them. A
+//! transcript hears them again; the new processes are spoken to only when all of them were heard. Going on there is
+//! itself written down, as the last thing that came.
+//!
+//! Read in this order: `head` (the description, with its `kept_file`s), `ledgers` (the files that grow), `outside` (the
+//! words of other processes), `driver_state`, `checkpoints` and `cadence` (the saved runs, and when there is one),
+//! `end`, `changes` (new definitions) and `foreign` (journals of somebody else); `run_journal` writes all of them while
+//! the run is driven, and `session_journal` is that of a session at the prompt. The files themselves are those of
+//! `journal` in the crate `link`.
 
 mod cadence;
 mod changes;

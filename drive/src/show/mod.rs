@@ -1,4 +1,8 @@
 //! What a run is shown as: events and failures as lines, causes, drawings.
+//!
+//! Read in this order: `events` and `event_line`; `situation`, `why` and `revision_story` (causes); `whereabouts`,
+//! `map` and `documentation`; `projection` and `service` (tables); `failure_report` and `summary` (the end); then
+//! `figures`, with `choice_figures` and `place_figures`.
 
 pub mod choice_figures;
 pub mod documentation;

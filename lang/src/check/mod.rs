@@ -6,6 +6,10 @@
 //!
 //! A comment `; check: allow RULE`, in the line of a warning or in the line above, takes the
 //! warning away.
+//!
+//! The check runs nothing, and compilation does not depend on it. It sees through calls. The resolved forms of a text
+//! lie beside its code until it is compiled. Those of a library are kept for good; a library that was read back makes
+//! them when they are first asked for.
 
 mod angles;
 mod behaviours;

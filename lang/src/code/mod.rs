@@ -4,6 +4,8 @@
 //! callee's window starts at the caller's first argument and the result is found there. A closure's
 //! captured values follow the parameters. Variables that are both captured and assigned live in
 //! heap cells; their register holds the cell.
+//!
+//! Code never changes, and all forks of a run share it. Every instruction knows its place in the text.
 
 mod body;
 mod constant;

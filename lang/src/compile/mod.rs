@@ -1,5 +1,7 @@
 //! From syntax to register code: expansion, resolution and emission, one top-level form after the
 //! other. Errors are collected; code is always produced and runs only if there are none.
+//!
+//! A text has one more body for each of its tests: the definitions of the text, then the test.
 
 mod blocks;
 mod compilation;

@@ -9,6 +9,8 @@
 //! Read `ways` (where a drive leads), `drive_times` (how long it takes), `models` (what may come between),
 //! `activity` (what is asked of a robot), `abstract_robot` (the robot that lives by them), `simulated_world` (the
 //! world in which it drives for itself).
+//!
+//! Behaviours of modules in other processes are drawn from the declarations in their manifests (`act_model`).
 
 pub mod abstract_robot;
 pub mod act_model;

@@ -2,6 +2,9 @@
 //! doors and people as they are drawn. The robot is where it believes itself to be: it knows how far it has driven,
 //! and measures distances only where something is not as in the map. Anywhere else it goes by the map, as it does
 //! with its sensors switched off.
+//!
+//! So a step costs microseconds: ranges are measured only near a door that is drawn closed, or near something that the
+//! robot remembers.
 
 use super::abstract_robot::AbstractRobot;
 use super::ways::Way;

@@ -1,5 +1,6 @@
 //! An abstract world: events instead of physics, in which things go as chances say that no plan knows, and in which
 //! people say what they say when it is time. What is projected by a robot in it follows from what that robot knows.
+//! A mission takes milliseconds in it.
 
 use super::controller::Controller;
 use super::foreseen_robot::{ForeseenOffice, at_start};

@@ -1,5 +1,10 @@
 //! Hosts: who moves the robot and senses for it. The truth about the world, if there is any, lives in
 //! the host alone.
+//!
+//! A host takes commands and gives a percept, or it is lost. Then the main task fails as if something it had spawned
+//! had failed, past all handlers, and the robot makes no further step. The simulated host has the truth and the
+//! scenario behind it. The controller has percepts from it and gives commands, so that a plan cannot learn where the
+//! robot really is.
 
 use super::report::Report;
 use super::scenario::Oracle;

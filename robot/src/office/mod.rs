@@ -1,13 +1,18 @@
-//! The office robot behind the seam of the runtime: thin bindings of simulator, localization,
-//! active localization, navigation and gripper to behaviours, fluents and functions of plans.
+//! The office robot behind the seam of the runtime: thin bindings of simulator, localization, active localization,
+//! navigation and gripper to behaviours, fluents and functions of plans.
 //!
-//! One step: the commands of the modules go to the host, and a percept comes back; simulated, the
-//! scenario runs before the robot moves and senses. Then the modules work in the order of their list
-//! (`behaviours`): position tracking takes the percept in, the active behaviours decide. What they found
-//! goes out as one assignment of all fluents.
+//! One step: the commands of the modules go to the host, and a percept comes back; simulated, the scenario runs before
+//! the robot moves and senses. Then the modules work in the order of their list (`behaviours`): position tracking takes
+//! the percept in, the active behaviours decide. Their findings go out as one assignment of all fluents.
 //!
-//! A robot is a list of modules, made with [`modules!`](crate::modules), and a [`Host`]. Other crates add
-//! modules and hosts of their own: the office robot's are written no other way.
+//! A robot is a list of modules, made with [`modules!`](crate::modules), and a [`Host`]. Other crates add modules and
+//! hosts of their own: the office robot's are written no other way (`examples/camera`). The macro makes of a list of
+//! modules one module again. The list gives the order of steps, the tables and the reserved names.
+//!
+//! A module numbers its behaviours and fluents from 0, and its functions find its state by the type. Modules share
+//! little: all read the percept and the position, and only position tracking writes the position. Where a behaviour
+//! stands is kept once, by the runtime. An event is a variant of an enum (`report`): it is rendered once, and
+//! recognised by the same name.
 //!
 //! Read `module` first, then `composition` and `behaviours`, then `controller` and `robot`.
 

@@ -1,4 +1,8 @@
 //! Landmarks: sheets on walls whose places are known.
+//!
+//! The camera finds them (`vision::wall_marks`), and the filter takes a sighting as one more beam
+//! (`localization::landmark`). A robot that localizes by landmarks alone sets its odometry right at them (`landmarks`
+//! of the crate `rupart`).
 
 use super::MarkerColour;
 use crate::geometry::{Point, Pose, Vector};

@@ -1,4 +1,8 @@
 //! The seam to the robot: what plans see of it, and what it has to tell.
+//!
+//! A robot implements [`Outside`]: tables of behaviours, fluents and valves, which may be made at run time; a step; and
+//! an outbox of readings (truths, numbers, symbols, texts, lists), endings and events. Where its names stand in a
+//! program is found once, when the library is compiled.
 
 pub mod reading;
 pub mod thinking;

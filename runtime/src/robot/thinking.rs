@@ -1,4 +1,12 @@
 //! Questions that are thought about beside the run, while the world goes on, and what comes of them.
+//!
+//! A question about plans is put to the robot first (`Outside::think`), with a fork of the run in which it was asked. A
+//! robot whose world stands still while the run computes gives it back, and it is answered at once. A robot with a host
+//! in another process takes it. Then the task waits for the answer as for anything else, and the answer comes with a
+//! step of the robot, as percepts do. So no clock and no thread is in this crate.
+//!
+//! A saved run has the number of a question and nothing else of it. The question is answered by what was heard. Where
+//! nobody has the question any more, it is asked again.
 
 use crate::state::figures::Foresight;
 use crate::state::value::TaskRef;

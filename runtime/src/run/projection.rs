@@ -1,6 +1,9 @@
 //! Projection: how plans would probably go from here. Each run is a fork of the whole run in which the same
 //! interpreter runs the plan, with a robot that is made of what the robot knows; its output and its trace
 //! come to nothing, and what it leaves to chance follows from a seed of its own.
+//!
+//! The projected robot is stepped by events (`Outside::next_event_us`); `Outside::foresee` makes it. Code that one fork
+//! has compiled is found by the next.
 
 use crate::robot::thinking::{Insight, Thought, Ticket};
 use crate::robot::{ForeseenRobot, Outside};

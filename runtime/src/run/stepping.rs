@@ -2,6 +2,8 @@
 //!
 //! Stepping changes nothing: a run that is stepped through has the same trace as one that is not,
 //! unless it comes close to the limit of memory.
+//!
+//! The stepper is the interpreter loop, compiled a second time with a look before each of these instructions.
 
 use crate::robot::Outside;
 use crate::run::system::{System, Turn};

@@ -1,8 +1,8 @@
 //! What changes the records of [`crate::state`]: one step of a run.
 //!
-//! All of it is functions of the machine. `exec` runs the code of one task; an instruction about
-//! plans hands over to the folder of what it is about. Nothing here knows of a whole run or of a
-//! library.
+//! All of it is functions of the machine, sorted by their topics. `exec` runs the code of one task; an instruction
+//! about plans hands over to the folder of its topic. Methods of the machine call each other across files, and no type
+//! makes a circle of them. Nothing here knows of a whole run or of a library.
 
 mod behaviours;
 mod construct;

@@ -1,4 +1,6 @@
 //! Standard output and standard error: colour and a status line on a terminal only.
+//!
+//! Characters that act on a terminal do not pass. Colours of our own do, and so does the output of a plan.
 
 use crate::terminal::page::Block;
 use crate::terminal::status_line::StatusLine;

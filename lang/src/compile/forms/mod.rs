@@ -1,5 +1,8 @@
 //! The special forms. Each is one row of the table of its topic, with the function that compiles it in
 //! the same file.
+//!
+//! A row has the names, the documentation, the layout, where the form may stand (networks and checks go by it), and the
+//! function.
 
 mod assignment;
 mod bindings;

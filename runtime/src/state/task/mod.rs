@@ -1,4 +1,7 @@
 //! Tasks as data: registers, frames and scopes, no stack of the machine below.
+//!
+//! A task is a record in a slab. It has no Rust stack, closure, future or thread; so a run can be cloned between any
+//! two instructions. The registers of all tasks that do not run lie in one store (`registers`).
 
 mod children;
 mod leaving;

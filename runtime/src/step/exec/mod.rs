@@ -1,4 +1,11 @@
 //! The stepper: executes register code of one task until it blocks, ends or is switched out.
+//!
+//! Switching to a task copies its registers to a scratch stack, where it runs until it blocks.
+//!
+//! The loop (`instructions`) does arithmetic, data, jumps and calls. It hands every other instruction over
+//! (`about_plans`) to a function in `plan_instructions`, and is told how to go on. Entries of tables and steps of a
+//! sort are done beside the loop where that takes a moment, and handed over where it takes more (`about_tables`,
+//! `about_sorting`).
 
 mod about_plans;
 mod about_sorting;

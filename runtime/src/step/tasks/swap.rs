@@ -2,6 +2,8 @@
 //!
 //! It leaves the plan it runs like one that is evaporated, clean-ups included, and then begins the new one
 //! with the same record: its parent, its path, its fluents and those who wait for it notice nothing.
+//!
+//! While a departure, a clean-up, a hook or `no-revision` is in the way, the new plan waits in the record.
 
 use crate::state::failure::Raise;
 use crate::state::machine::Machine;
