@@ -2,14 +2,17 @@
 
 use crate::hosts::{HostLines, astray};
 use crate::journal::{EndKind, JournalEnd};
+use crate::observed::RunEnd;
 use crate::run_driver::{Pace, drive};
-use crate::run_record::{Records, RunEnd};
+use crate::run_record::Records;
+use crate::seen::stay;
 use crate::show::figures;
 use crate::show::summary::{RunSummary, report, status, summarize};
 use crate::trace::TraceFile;
 use anyhow::{Context, Result, bail};
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
+use rpl_page::server::news::RunState;
 use rpl_robot::world::World;
 use rpl_runtime::run::system::System;
 use rpl_shell::files::case_files::KeptCases;
@@ -38,6 +41,8 @@ pub struct PreparedRun {
     pub cases: Option<KeptCases>,
     /// Where figures go.
     pub figures: Option<OutputFolder>,
+    /// Whether all that was considered at a choice is drawn, too.
+    pub draws_choices: bool,
     /// The lines to its host, if that is not our simulator.
     pub host_lines: Option<HostLines>,
     /// Its modules in other processes.
@@ -64,20 +69,19 @@ impl PreparedRun {
         if let Some(trace) = &mut self.records.trace {
             trace.finish().context("the trace cannot be written")?;
         }
-        if let Some(mcap) = &mut self.records.mcap {
-            mcap.finish().context("the MCAP file cannot be written")?;
-        }
         if let Some(recorder) = &self.records.recorder {
             recorder.finish().context("the recording cannot be written")?;
         }
         if let (Some(folder), Some(world)) = (&mut self.figures, &self.world) {
             let radius_m = self.site.office().map_or(0.0, |office| office.limits.robot_radius_m);
-            figures::write_mission(folder, world, radius_m, &self.records, self.system.outside.belief().as_ref())?;
+            let (observed, belief) = (&self.records.observed, self.system.outside.belief());
+            figures::write_mission(folder, world, radius_m, observed, belief.as_ref(), self.draws_choices)?;
         }
-        if let Some(live) = &mut self.records.live {
-            live.end()?;
+        self.records.onlookers().try_for_each(|onlooker| onlooker.ends())?;
+        if let Some(steering) = &mut self.records.steering {
+            steering.stand(RunState::Ended);
         }
-        let summary = summarize(&self.system, ending, &self.records, self.seed, self.began);
+        let summary = summarize(&self.system, ending, &self.records.observed, self.seed, self.began);
         let is_written = self.end_journal(ending, &summary)?;
         report(&self.system, ending, &summary, console);
         self.tell_divergence(console);
@@ -88,8 +92,8 @@ impl PreparedRun {
             console.print(&summary.as_json()?)?;
         }
         console.flush()?;
-        if let Some(live) = &mut self.records.live {
-            live.stay(console);
+        if let Some(steering) = &mut self.records.steering {
+            stay(|| steering.trouble(), console);
         }
         kept?;
         if !is_written {

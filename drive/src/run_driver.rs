@@ -1,18 +1,17 @@
 //! Drives a system to its end: output, trace, pace, the status line, and signals from outside.
 
 use crate::journal::RunJournal;
-use crate::run_record::{BeliefScene, Incident, Records, RunEnd};
-use crate::seen::{Live, SteeredTurn, Steering};
-use crate::show::events::{self, ToldLine};
+use crate::observed::RunEnd;
+use crate::onlooker::Happened;
+use crate::run_record::Records;
+use crate::seen::{SteeredTurn, Steering};
+use crate::show::events::{self, LineKind};
 use crate::show::whereabouts::whereabouts;
 use crate::trace::{TraceFile, TracedPose};
 use rpl_link::journal::ledger::Written;
 use rpl_link::recording::Typed;
 use rpl_mission::robot::Robot;
-use rpl_robot::office::ReportKind;
 use rpl_runtime::run::system::{System, Turn};
-use rpl_runtime::state::output::Channel;
-use rpl_runtime::state::trace::Event;
 use rpl_shell::interrupt;
 use rpl_shell::terminal::console::Console;
 use std::io;
@@ -54,13 +53,6 @@ enum RunState {
     CleansUp(Instant),
 }
 
-/// Reports at which the belief is worth a drawing.
-const TURNING_POINTS: [ReportKind; 3] =
-    [ReportKind::PositionLost, ReportKind::LocalizationAction, ReportKind::PositionFound];
-
-/// A maximum of the belief that is drawn has this share at least.
-const LEAST_SHARE: f64 = 0.01;
-
 /// Runs a system to its end.
 ///
 /// A signal stops it if the command has said so ([`interrupt::stops_runs`]).
@@ -98,7 +90,7 @@ struct RunDriver<'a> {
 impl RunDriver<'_> {
     fn run(&mut self) -> io::Result<RunEnd> {
         let factor = self.pace.factor;
-        if let Some(steering) = self.records.steering() {
+        if let Some(steering) = self.records.steering.as_mut() {
             steering.begin_at(factor);
         }
         self.record_pose()?;
@@ -148,18 +140,18 @@ impl RunDriver<'_> {
                 }
             }
             self.next_instant();
-            self.record_robot().inspect_err(|_| self.stop_quietly())?;
-            self.look_at_robot();
+            self.tell_step().inspect_err(|_| self.stop_quietly())?;
+            self.look_at_robot().inspect_err(|_| self.stop_quietly())?;
             self.record_pose().inspect_err(|_| self.stop_quietly())?;
         }
     }
 
     /// The journal has a checkpoint from which the run goes on as if it had not stood still.
     fn stand_still(&mut self) {
-        let Records { journal, trace, pose_due_us, relocalizations, .. } = &mut *self.records;
+        let Records { journal, trace, pose_due_us, observed, .. } = &mut *self.records;
         if let Some(journal) = journal {
             let trace = trace.as_mut().and_then(TraceFile::ledger);
-            journal.stand_still(self.system, trace, *pose_due_us, *relocalizations);
+            journal.stand_still(self.system, trace, *pose_due_us, observed.relocalizations);
         }
     }
 
@@ -185,11 +177,11 @@ impl RunDriver<'_> {
 
     /// Writes a checkpoint if it is time for one. Whether the journal must be written and cannot.
     fn write_journal(&mut self) -> bool {
-        let Records { journal, trace, pose_due_us, relocalizations, .. } = &mut *self.records;
+        let Records { journal, trace, pose_due_us, observed, .. } = &mut *self.records;
         let Some(journal) = journal else { return false };
         if journal.is_due(self.system.machine.now_us) {
             let trace = trace.as_mut().and_then(TraceFile::ledger);
-            journal.checkpoint(self.system, trace, *pose_due_us, *relocalizations);
+            journal.checkpoint(self.system, trace, *pose_due_us, observed.relocalizations);
         }
         if let Some(note) = journal.take_note() {
             self.console.note(&note);
@@ -210,10 +202,11 @@ impl RunDriver<'_> {
         Ok(())
     }
 
-    /// Writes what ROS tools are told of the robot.
-    fn record_robot(&mut self) -> io::Result<()> {
+    /// Tells all that look on of another instant.
+    fn tell_step(&mut self) -> io::Result<()> {
         let (robot, now_us) = (&mut self.system.outside, self.system.machine.now_us);
-        self.records.mcap.as_mut().map_or(Ok(()), |mcap| mcap.look(robot, now_us).map_err(io::Error::other))
+        let mut onlookers = self.records.onlookers();
+        onlookers.try_for_each(|onlooker| onlooker.stepped(now_us, robot)).map_err(io::Error::other)
     }
 
     /// Whether the run that is repeated was told to stop in this instant.
@@ -286,7 +279,7 @@ impl RunDriver<'_> {
 
     /// One turn of a ready task; a run that is stepped through comes back before a form.
     fn turn(&mut self) -> SteeredTurn {
-        match self.records.steering() {
+        match self.records.steering.as_mut() {
             Some(steering) => steering.turn(self.system),
             None => SteeredTurn::Turned(self.system.step_slice()),
         }
@@ -294,7 +287,7 @@ impl RunDriver<'_> {
 
     /// Does what the page asks for, and stands still for as long as it wants.
     fn attend(&mut self) {
-        if let Some(steering) = self.records.steering() {
+        if let Some(steering) = self.records.steering.as_mut() {
             steering.attend(self.system);
         }
         self.tell_trouble();
@@ -303,7 +296,7 @@ impl RunDriver<'_> {
 
     /// Says why the page does not answer.
     fn tell_trouble(&mut self) {
-        if let Some(trouble) = self.records.live.as_mut().and_then(Live::trouble) {
+        if let Some(trouble) = self.records.steering.as_mut().and_then(Steering::trouble) {
             self.console.note(&trouble.to_string());
         }
     }
@@ -312,7 +305,7 @@ impl RunDriver<'_> {
     fn hold(&mut self) {
         let mut was_held = false;
         while !interrupt::is_asked()
-            && let Some(steering) = self.records.steering().filter(|steering| steering.is_held())
+            && let Some(steering) = self.records.steering.as_mut().filter(|steering| steering.is_held())
         {
             was_held = true;
             if !steering.attend(self.system) {
@@ -320,7 +313,7 @@ impl RunDriver<'_> {
             }
             self.tell_trouble();
         }
-        let pace = self.records.steering().and_then(Steering::take_pace);
+        let pace = self.records.steering.as_mut().and_then(Steering::take_pace);
         if let Some(factor) = pace {
             self.pace.factor = factor;
         }
@@ -331,15 +324,14 @@ impl RunDriver<'_> {
 
     /// Stands still where a condition has become true that the page has named.
     fn hold_at_conditions(&mut self) {
-        if let Some(steering) = self.records.steering() {
+        if let Some(steering) = self.records.steering.as_mut() {
             steering.settled(self.system);
         }
         self.attend();
     }
 
     fn is_ended_by_hand(&self) -> bool {
-        let steering = self.records.live.as_ref().and_then(|live| live.steering.as_ref());
-        steering.is_some_and(Steering::is_stop_asked)
+        self.records.steering.as_ref().is_some_and(Steering::is_stop_asked)
     }
 
     /// Hands on what happened and what plans wrote; then the journal notes that it was.
@@ -361,66 +353,30 @@ impl RunDriver<'_> {
         let (events, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
         let is_lost = !events.is_empty() && self.system.outside.is_lost();
         let now_us = self.system.machine.now_us;
-        for logged in output.iter().filter(|output| output.channel == Channel::Log) {
-            if let Some(mcap) = &mut self.records.mcap {
-                mcap.log(now_us, &logged.text).map_err(io::Error::other)?;
-            }
-            self.records.logs.push(logged.text.clone());
-        }
-        if let Some(live) = &mut self.records.live {
-            live.feed.events(&events);
-        }
-        for told in events::in_order(&events, output, is_lost) {
-            if let Some(live) = &mut self.records.live {
-                live.feed.told(now_us, &told);
-            }
-            let written = self.records.journal.as_mut().map_or(Written::Now, |journal| match &told {
-                ToldLine::Print(text) => journal.printed(text),
-                ToldLine::Event(line) | ToldLine::Log(line) => journal.told(line),
+        let told = events::in_order(&events, output, is_lost);
+        let happened = Happened { now_us, events: &events, told: &told, is_lost };
+        let robot = &mut self.system.outside;
+        self.records
+            .onlookers()
+            .try_for_each(|onlooker| onlooker.happened(&happened, robot))
+            .map_err(io::Error::other)?;
+        for told in &told {
+            let line = told.line();
+            let is_print = told.kind == LineKind::Print;
+            let written = self.records.journal.as_mut().map_or(Written::Now, |journal| match is_print {
+                true => journal.printed(&line),
+                false => journal.told(&line),
             });
-            match (told, written) {
+            match (told.kind, written) {
                 // It was handed out before the run was killed.
                 (_, Written::Before) => {}
-                (ToldLine::Event(line), Written::Now) if !self.console.quiet => self.console.note(&line),
-                (ToldLine::Event(_), Written::Now) => {}
-                (ToldLine::Print(text), Written::Now) => self.console.print(&text)?,
-                (ToldLine::Log(line), Written::Now) => self.console.note(&line),
+                (LineKind::Event, Written::Now) if self.console.quiet => {}
+                (LineKind::Event | LineKind::Log, Written::Now) => self.console.note(&line),
+                (LineKind::Print, Written::Now) => self.console.print(&line)?,
             }
-        }
-        events.iter().try_for_each(|event| self.record(event, is_lost))
-    }
-
-    fn record(&mut self, event: &Event, is_lost: bool) -> io::Result<()> {
-        if is_lost && events::is_relocalization(event) {
-            self.records.relocalizations += 1;
-        }
-        if let Some(what) = ReportKind::of(event)
-            && let (Some(sight), Some(account)) = (self.system.outside.sight(), self.system.outside.account())
-        {
-            if let Some(scenes) = &mut self.records.scenes
-                && TURNING_POINTS.contains(&what)
-                && let Some(belief) = self.system.outside.belief()
-            {
-                let time_s = event.time_us as f64 / 1e6;
-                let track_length = self.records.track.len();
-                let maxima = self.system.outside.maxima(LEAST_SHARE);
-                let is_choice = what == ReportKind::LocalizationAction;
-                let choice = if is_choice { self.system.outside.considered() } else { None };
-                scenes.push(BeliefScene { what, time_s, belief, maxima, choice, sight, track_length });
-            }
-            if let Some(choices) = &mut self.records.choices
-                && what == ReportKind::LocalizationAction
-            {
-                choices.extend(self.system.outside.localization().cloned());
-            }
-            let track_length = self.records.track.len();
-            self.records.incidents.push(Incident { what, sight, distance_m: account.distance_m, track_length });
-        }
-        if let Some(mcap) = &mut self.records.mcap {
-            mcap.event(event).map_err(io::Error::other)?;
         }
         match &mut self.records.trace {
-            Some(trace) => trace.write(event),
+            Some(trace) => events.iter().try_for_each(|event| trace.write(event)),
             None => Ok(()),
         }
     }
@@ -438,7 +394,7 @@ impl RunDriver<'_> {
                 RunState::Runs => {}
                 RunState::CleansUp(_) => interrupt::beat(),
             }
-            if self.records.steering().is_some_and(|steering| steering.attend(self.system)) {
+            if self.records.steering.as_mut().is_some_and(|steering| steering.attend(self.system)) {
                 return false;
             }
             self.tell_trouble();
@@ -447,26 +403,28 @@ impl RunDriver<'_> {
         true
     }
 
-    fn look_at_robot(&mut self) {
+    fn look_at_robot(&mut self) -> io::Result<()> {
         let now_us = self.system.machine.now_us;
         let is_track_due = now_us >= self.track_due_us;
         let status_room = self.console.status_room();
         // Asking the filter for its estimate at every step would cost more than the step.
         if !is_track_due && status_room.is_none() {
-            return;
+            return Ok(());
         }
         let sight = self.system.outside.sight();
         if is_track_due {
-            self.records.track.extend(sight);
             self.track_due_us = now_us + TRACK_EVERY_US;
         }
-        if let (true, Some(live), Some(sight)) = (is_track_due, &mut self.records.live, &sight) {
-            live.feed.look(now_us, sight, &mut self.system.outside);
+        if let Some(sight) = sight.filter(|_| is_track_due) {
+            let robot = &mut self.system.outside;
+            let mut onlookers = self.records.onlookers();
+            onlookers.try_for_each(|onlooker| onlooker.seen(now_us, &sight, robot)).map_err(io::Error::other)?;
         }
         if let Some(room) = status_room {
             let text = whereabouts(&self.system.machine, &self.system.outside, sight, room);
             self.console.status(&text);
         }
+        Ok(())
     }
 
     /// Nobody reads any more: the clean-ups run, what they print is lost. The trace goes on for as

@@ -1,71 +1,8 @@
-//! The experiments with a name, row by row.
+//! The rows of experiments that are missions.
 
 use rpl_robot::active::Exploration;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::office::{OfficeSettings, PositionBy};
-
-/// An experiment with a name: a mission, and what it is compared with.
-pub struct Experiment {
-    /// What a user types.
-    pub name: &'static str,
-    /// What it is about: what is run, and what is shown besides the table.
-    pub subject: ExperimentSubject,
-    /// The first is the experiment itself.
-    pub rows: &'static [Row],
-}
-
-/// What an experiment is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ExperimentSubject {
-    /// How many runs succeed.
-    Success,
-    /// What the certainty is worth, over all rows together.
-    Calibration,
-    /// What single departures from the papers are worth: a line for each row, nothing else.
-    Comparison,
-    /// Whether the robot knows where it is with people around it: rows of its own.
-    Crowd,
-    /// Drives from anywhere to any place, world by world.
-    Worlds,
-    /// Drives in buildings that are drawn from the seed, and on recorded floor plans.
-    Buildings,
-    /// Deliveries on whose way a door is closed for a while, world by world.
-    Doors,
-    /// How long drives take, beside what is foreseen.
-    DriveTimes,
-    /// Deliveries beside what either grain of projection has foretold of them.
-    Grains,
-    /// Whether what is projected comes true: no missions of the simulator, and rows of its own.
-    Projections,
-    /// What foresight is worth: the same.
-    Foresight,
-    /// How the shortcut of active navigation does beside the exact sum.
-    Choices,
-    /// Courses nobody has mapped: no missions, and rows of its own.
-    Barn,
-    /// Where the robot is by a single scan: no missions, and rows of its own.
-    OneScan,
-    /// Where to look: no missions, and rows of its own.
-    Sensing,
-    /// What is perceived of hallways: no missions, and rows of its own.
-    HallwayFeatures,
-    /// Whether openings are counted right: the same.
-    CountOpenings,
-    /// Whole routes by instructions: the same.
-    OfficeDelivery,
-    /// Where the robot is on a complete topological map: the same.
-    TopologicalGlobal,
-    /// Whether the camera finds the markers of hallways: the same.
-    MarkerDetection,
-    /// Routes of a case memory: no missions, and rows of its own.
-    Routes,
-    /// Whether the kind of case comes back that is needed: the same.
-    CaseKinds,
-    /// How well a robot drives by behaviour cases: the same.
-    Behaviours,
-    /// Errands by cases, which may begin with a memory of the user's own.
-    Errands,
-}
 
 /// One row of a table.
 #[derive(Clone, Copy)]
@@ -86,15 +23,6 @@ pub struct Row {
     pub change: fn(&mut OfficeSettings),
     /// Whether its driving by cases brakes before what it hears.
     pub is_braked: bool,
-}
-
-impl Row {
-    /// Whether it drives with a robot of its own, whatever `--robot` says.
-    pub fn chooses_robot(&self) -> bool {
-        let mut settings = OfficeSettings::default();
-        (self.change)(&mut settings);
-        settings.robot.name != OfficeSettings::default().robot.name
-    }
 }
 
 const ROTATED: Row = Row {
@@ -192,107 +120,73 @@ pub const WORLDS: [&str; 12] = [
     "dept-furnished",
 ];
 
-/// All experiments.
-pub const EXPERIMENTS: &[Experiment] = &[
-    Experiment {
-        name: "rotated",
-        subject: ExperimentSubject::Success,
-        rows: &[
-            ROTATED,
-            UNDISTURBED,
-            Row { name: "no relocalization", plan: "experiments/no-relocalization.rpl", ..ROTATED },
-            Row { name: "literal equations", change: literal, ..ROTATED },
-        ],
-    },
-    Experiment {
-        name: "kidnapped",
-        subject: ExperimentSubject::Success,
-        rows: &[
-            KIDNAPPED,
-            Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED },
-            ABOUT_FACE,
-        ],
-    },
-    Experiment {
-        name: "global",
-        subject: ExperimentSubject::Success,
-        rows: &[
-            GLOBAL,
-            Row { name: "random wandering", change: |settings| lost(settings, Exploration::Wander), ..GLOBAL },
-            Row { name: "wall following", change: |settings| lost(settings, Exploration::WallFollow), ..GLOBAL },
-            Row { name: "spin and back up", change: |settings| lost(settings, Exploration::SpinAndBackUp), ..GLOBAL },
-        ],
-    },
-    Experiment { name: "false-alarms", subject: ExperimentSubject::Comparison, rows: &[PATROL, FURNISHED] },
-    Experiment {
-        name: "calibration",
-        subject: ExperimentSubject::Calibration,
-        rows: &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED],
-    },
-    Experiment {
-        name: "deviations",
-        subject: ExperimentSubject::Comparison,
-        rows: &[
-            ROTATED,
-            without("– tempering", untempered),
-            without("– mixing", |settings| settings.localization.mixing = 0.0),
-            without("– gating", ungated),
-            without("– update spacing", unspaced),
-            without("– coarse watch", |settings| settings.localization.watch = None),
-            without("– calibration", |settings| settings.localization.calibration = None),
-            without("– confirmation", found_at_once),
-            without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
-            without("– centred grid", |settings| settings.localization.centred = false),
-            without("all literal", literal),
-            FURNISHED,
-            furnished_without("– gating", ungated),
-            furnished_without("– tempering", untempered),
-        ],
-    },
-    Experiment {
-        name: "people",
-        subject: ExperimentSubject::Success,
-        rows: &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }],
-    },
-    Experiment { name: "office", subject: ExperimentSubject::Success, rows: &[OFFICE] },
-    Experiment { name: "crowd", subject: ExperimentSubject::Crowd, rows: &[] },
-    Experiment { name: "worlds", subject: ExperimentSubject::Worlds, rows: &[] },
-    Experiment { name: "buildings", subject: ExperimentSubject::Buildings, rows: &[] },
-    Experiment { name: "doors", subject: ExperimentSubject::Doors, rows: &[] },
-    Experiment { name: "barn", subject: ExperimentSubject::Barn, rows: &[] },
-    Experiment { name: "choices", subject: ExperimentSubject::Choices, rows: &[GLOBAL, ABOUT_FACE] },
-    Experiment { name: "drive-times", subject: ExperimentSubject::DriveTimes, rows: &[] },
-    Experiment { name: "grains", subject: ExperimentSubject::Grains, rows: &[] },
-    Experiment { name: "projections", subject: ExperimentSubject::Projections, rows: &[] },
-    Experiment { name: "foresight", subject: ExperimentSubject::Foresight, rows: &[] },
-    Experiment { name: "one-scan", subject: ExperimentSubject::OneScan, rows: &[] },
-    Experiment { name: "sensing", subject: ExperimentSubject::Sensing, rows: &[] },
-    Experiment { name: "hallway-features", subject: ExperimentSubject::HallwayFeatures, rows: &[] },
-    Experiment { name: "count-openings", subject: ExperimentSubject::CountOpenings, rows: &[] },
-    Experiment { name: "office-delivery", subject: ExperimentSubject::OfficeDelivery, rows: &[] },
-    Experiment { name: "topological-global", subject: ExperimentSubject::TopologicalGlobal, rows: &[] },
-    Experiment { name: "marker-detection", subject: ExperimentSubject::MarkerDetection, rows: &[] },
-    Experiment { name: "routes", subject: ExperimentSubject::Routes, rows: &[] },
-    Experiment { name: "case-kinds", subject: ExperimentSubject::CaseKinds, rows: &[] },
-    Experiment { name: "behaviours", subject: ExperimentSubject::Behaviours, rows: &[] },
-    Experiment {
-        name: "rupart",
-        subject: ExperimentSubject::Errands,
-        rows: &[
-            ERRAND,
-            errand("near", "experiments/by-cases-near.rpl", "room-113-inside"),
-            errand("halfway", "experiments/by-cases-middle.rpl", "room-106-inside"),
-            errand("far", "experiments/by-cases-far.rpl", "optics-lab-south-inside"),
-            Row { name: "turned by 70°", scenario: Some("experiments/turned-on-the-way.rpl"), ..ERRAND },
-            Row { name: "crowded", world: "olin-rice-crowded", ..ERRAND },
-            Row { name: "not braked", is_braked: false, ..ERRAND },
-            errand("two goals", "experiments/by-cases-two-goals.rpl", "room-113-inside"),
-            errand("another goal comes", "experiments/by-cases-another-goal.rpl", "room-113-inside"),
-            Row { name: "by the map", plan: "experiments/by-map-anywhere.rpl", ..ERRAND },
-            Row { name: "position by landmarks", change: by_landmarks, ..ERRAND },
-            Row { name: "position by the grid", change: by_grid, ..ERRAND },
-        ],
-    },
+/// The rows of `rotated`.
+pub const ROTATED_ROWS: &[Row] = &[
+    ROTATED,
+    UNDISTURBED,
+    Row { name: "no relocalization", plan: "experiments/no-relocalization.rpl", ..ROTATED },
+    Row { name: "literal equations", change: literal, ..ROTATED },
+];
+
+/// The rows of `kidnapped`.
+pub const KIDNAPPED_ROWS: &[Row] =
+    &[KIDNAPPED, Row { name: "turned by 20–180°", scenario: Some("experiments/turned.rpl"), ..KIDNAPPED }, ABOUT_FACE];
+
+/// The rows of `global`.
+pub const GLOBAL_ROWS: &[Row] = &[
+    GLOBAL,
+    Row { name: "random wandering", change: |settings| lost(settings, Exploration::Wander), ..GLOBAL },
+    Row { name: "wall following", change: |settings| lost(settings, Exploration::WallFollow), ..GLOBAL },
+    Row { name: "spin and back up", change: |settings| lost(settings, Exploration::SpinAndBackUp), ..GLOBAL },
+];
+
+/// The rows of `false-alarms`.
+pub const FALSE_ALARMS_ROWS: &[Row] = &[PATROL, FURNISHED];
+
+/// The rows of `calibration`.
+pub const CALIBRATION_ROWS: &[Row] = &[ROTATED, KIDNAPPED, GLOBAL, UNDISTURBED];
+
+/// The rows of `deviations`.
+pub const DEVIATIONS_ROWS: &[Row] = &[
+    ROTATED,
+    without("– tempering", untempered),
+    without("– mixing", |settings| settings.localization.mixing = 0.0),
+    without("– gating", ungated),
+    without("– update spacing", unspaced),
+    without("– coarse watch", |settings| settings.localization.watch = None),
+    without("– calibration", |settings| settings.localization.calibration = None),
+    without("– confirmation", found_at_once),
+    without("– lower threshold", |settings| settings.localization.activity_threshold = 0.01),
+    without("– centred grid", |settings| settings.localization.centred = false),
+    without("all literal", literal),
+    FURNISHED,
+    furnished_without("– gating", ungated),
+    furnished_without("– tempering", untempered),
+];
+
+/// The rows of `people`.
+pub const PEOPLE_ROWS: &[Row] = &[PEOPLE, Row { name: "in the department", world: "dept-crowded", ..PEOPLE }];
+
+/// The rows of `office`.
+pub const OFFICE_ROWS: &[Row] = &[OFFICE];
+
+/// The rows of `choices`.
+pub const CHOICES_ROWS: &[Row] = &[GLOBAL, ABOUT_FACE];
+
+/// The rows of `rupart`.
+pub const RUPART_ROWS: &[Row] = &[
+    ERRAND,
+    errand("near", "experiments/by-cases-near.rpl", "room-113-inside"),
+    errand("halfway", "experiments/by-cases-middle.rpl", "room-106-inside"),
+    errand("far", "experiments/by-cases-far.rpl", "optics-lab-south-inside"),
+    Row { name: "turned by 70°", scenario: Some("experiments/turned-on-the-way.rpl"), ..ERRAND },
+    Row { name: "crowded", world: "olin-rice-crowded", ..ERRAND },
+    Row { name: "not braked", is_braked: false, ..ERRAND },
+    errand("two goals", "experiments/by-cases-two-goals.rpl", "room-113-inside"),
+    errand("another goal comes", "experiments/by-cases-another-goal.rpl", "room-113-inside"),
+    Row { name: "by the map", plan: "experiments/by-map-anywhere.rpl", ..ERRAND },
+    Row { name: "position by landmarks", change: by_landmarks, ..ERRAND },
+    Row { name: "position by the grid", change: by_grid, ..ERRAND },
 ];
 
 fn pioneer(settings: &mut OfficeSettings) {

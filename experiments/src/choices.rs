@@ -2,12 +2,14 @@
 //! the sum over the states of the belief.
 
 use super::catalogue::Row;
+use super::conduct::chosen;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::missions::Mission;
 use super::request::ExperimentRequest;
 use super::statistics::{Proportion, Summary};
 use anyhow::{Context, Result, bail};
+use rpl_drive::observed::Observed;
 use rpl_drive::run_driver::{Pace, drive};
 use rpl_drive::run_record::Records;
 use rpl_drive::show::choice_figures;
@@ -55,7 +57,8 @@ impl Choices {
     ///
     /// # Errors
     /// The folder for results cannot be written.
-    pub fn new(request: ExperimentRequest, rows: Vec<&'static Row>) -> Result<Self> {
+    pub fn new(request: ExperimentRequest, rows: &'static [Row]) -> Result<Self> {
+        let rows = chosen(&request, rows, |row| row.name)?;
         let folder = Mutex::new(request.results_folder()?);
         Ok(Self { request, rows, folder })
     }
@@ -86,11 +89,12 @@ impl ExperimentKind for Choices {
     fn run(&self, _: usize, mission: &Mission, Run { seed, .. }: Run) -> Result<Vec<Pair>> {
         let Some(office) = mission.site.office() else { bail!("there is no robot; add `--world dept`") };
         let mut system = mission.site.start_traced(mission.loaded.clone(), seed);
-        let mut records = Records { choices: Some(Vec::new()), ..Records::default() };
+        let observed = Observed { choices: Some(Vec::new()), ..Observed::default() };
+        let mut records = Records { observed, ..Records::default() };
         let pace = Pace { until_us: Some(self.request.until_us), ..Pace::default() };
         drive(&mut system, pace, &mut Console::silent(), &mut records).context("a run could not be driven")?;
         let mut pairs = Vec::new();
-        for (number, localization) in records.choices.iter().flatten().take(PER_RUN).enumerate() {
+        for (number, localization) in records.observed.choices.iter().flatten().take(PER_RUN).enumerate() {
             if let Some(map) = &office.map {
                 pairs.extend(pair(&map.localization, localization, &office.settings.active));
             }

@@ -1,9 +1,9 @@
 //! How an experiment of any kind is done: its runs are driven here, or read from parts that others have written; their
 //! records become a table, or a part.
 
-use super::any_kind::{AnyKind, AnyRecord, AnyTally, Hidden};
+use super::any_kind::{AnyKind, AnyRecord, AnyTally};
 use super::findings::Findings;
-use super::kind::{ExperimentKind, Run};
+use super::kind::Run;
 use super::part::identity::{Identity, Input};
 use super::part::merging::Parts;
 use super::part::shard::Shard;
@@ -59,15 +59,6 @@ struct Tabulation {
 /// # Errors
 /// Something cannot be read, driven or written.
 pub fn conduct(
-    kind: impl ExperimentKind,
-    request: &ExperimentRequest,
-    how: Conduct,
-    console: &mut Console,
-) -> Result<Findings> {
-    conduct_any(&(Arc::new(Hidden(kind)) as Arc<dyn AnyKind>), request, how, console)
-}
-
-fn conduct_any(
     kind: &Arc<dyn AnyKind>,
     request: &ExperimentRequest,
     how: Conduct,

@@ -1,7 +1,7 @@
 //! Missions over seeds: the runs of each row of an experiment, or of a plan of the user's own.
 
 use super::calibration::Reliability;
-use super::catalogue::{EXPERIMENTS, Row};
+use super::catalogue::Row;
 use super::chart;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run, Tally};
@@ -219,6 +219,8 @@ impl Look for EveryMoment {
 pub struct OwnPlan {
     /// What is asked for.
     request: ExperimentRequest,
+    /// The names that may have been meant instead.
+    experiments: Vec<&'static str>,
 }
 
 /// Where a plan of the user's own runs.
@@ -234,11 +236,11 @@ impl OwnPlan {
     ///
     /// # Errors
     /// A row is asked for, which it does not have.
-    pub fn new(request: ExperimentRequest) -> Result<Self> {
+    pub fn new(request: ExperimentRequest, experiments: Vec<&'static str>) -> Result<Self> {
         if let Some(row) = &request.row {
             bail!("`--row {row}` is for the experiments with a name; a plan of your own has one row");
         }
-        Ok(Self { request })
+        Ok(Self { request, experiments })
     }
 
     fn at(&self, plan: &PlanText, scenario: Option<PlanText>, seed: u64) -> Result<Mission> {
@@ -266,7 +268,7 @@ impl ExperimentKind for OwnPlan {
         let name = &self.request.name;
         let plan = plans::plan(name).map_err(|error| {
             // Somebody may have meant an experiment and not a plan.
-            match suggest(name, EXPERIMENTS.iter().map(|known| known.name)) {
+            match suggest(name, self.experiments.iter().copied()) {
                 Some(meant) => error.context(format!("no experiment is called `{name}`; did you mean `{meant}`?")),
                 None => error,
             }

@@ -3,8 +3,9 @@
 use super::day::{AT_PLACE_M, Day};
 use super::samples::{ErrorTrack, Sample};
 use anyhow::{Context, Result};
+use rpl_drive::observed::{Incident, RunEnd};
 use rpl_drive::run_driver::{Pace, drive};
-use rpl_drive::run_record::{Incident, Records, RunEnd};
+use rpl_drive::run_record::Records;
 use rpl_drive::show::failure_report::Reporter;
 use rpl_lang::code::Program;
 use rpl_mission::modules::SiteRobot;
@@ -126,21 +127,22 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     let mut silent = Console::silent();
     let pace = Pace { until_us: Some(until_us), ..Pace::default() };
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
+    let observed = records.observed;
     let mut fault = fault_of(&system, ending);
     let mut measures: Vec<(&'static str, Option<f64>)> = vec![("time [s]", Some(system.machine.now_s()))];
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
         measures.push(("distance [m]", Some(account.distance_m)));
         measures.push(("contacts caused", account.contacts.map(f64::from)));
         measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
-        measures.push(("relocalizations", Some(records.relocalizations as f64)));
-        let offs_m = || records.track.iter().map(off_m);
-        let mean = |sum: f64| (!records.track.is_empty()).then(|| sum / records.track.len() as f64);
+        measures.push(("relocalizations", Some(observed.relocalizations as f64)));
+        let offs_m = || observed.track.iter().map(off_m);
+        let mean = |sum: f64| (!observed.track.is_empty()).then(|| sum / observed.track.len() as f64);
         measures.push(("estimate off [m]", mean(offs_m().sum::<f64>())));
         let astray = offs_m().filter(|off_m| *off_m > WRONG_ESTIMATE_M).count() as f64;
         measures.push(("astray [%]", mean(100.0 * astray)));
-        measures.extend(disturbance(&records.incidents, &records.track, account.distance_m));
+        measures.extend(disturbance(&observed.incidents, &observed.track, account.distance_m));
         if let Robot::Office(robot) = &system.outside
-            && let Some(day) = Day::of(robot, &records.logs)
+            && let Some(day) = Day::of(robot, &observed.logs)
         {
             fault = fault.or_else(|| day.fault());
             if account.contacts > Some(0) {
@@ -175,7 +177,7 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
         off_rad: off_rad(sight) as f32,
         is_right: is_right(sight),
     };
-    let samples: Vec<Sample> = records.track.iter().map(sample).collect();
+    let samples: Vec<Sample> = observed.track.iter().map(sample).collect();
     let measures = measures.into_iter().map(|(name, value)| (name.into(), value)).collect();
     Ok(MissionTrial { seed, fault, unmeasured: None, measures, error: ErrorTrack::of(&samples), samples })
 }

@@ -2,7 +2,7 @@
 
 use super::intervention::Intervention;
 use anyhow::{Result, anyhow};
-use rpl_drive::show::events::{self, ToldLine};
+use rpl_drive::show::events::{self, LineKind};
 use rpl_drive::show::failure_report::Reporter;
 use rpl_drive::stopping::breakpoint::Breakpoint;
 use rpl_lang::symbol::Symbol;
@@ -187,9 +187,9 @@ impl Session {
         let (happened, output) = (machine.trace.take(), std::mem::take(&mut machine.output));
         let is_lost = !happened.is_empty() && self.branch.system.outside.is_lost();
         for told in events::in_order(&happened, output, is_lost) {
-            match told {
-                ToldLine::Print(text) => console.print(&text)?,
-                ToldLine::Event(line) | ToldLine::Log(line) => console.note(&line),
+            match told.kind {
+                LineKind::Print => console.print(&told.line())?,
+                LineKind::Event | LineKind::Log => console.note(&told.line()),
             }
         }
         let log = &mut self.branch.log;

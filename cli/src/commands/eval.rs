@@ -1,8 +1,9 @@
 //! `rpl eval EXPR`: the value of a text's last form.
 
 use anyhow::Result;
+use rpl_drive::observed::RunEnd;
 use rpl_drive::run_driver::{Pace, drive};
-use rpl_drive::run_record::{Records, RunEnd};
+use rpl_drive::run_record::Records;
 use rpl_drive::show::failure_report::{PLAN_FAILED, Reporter};
 use rpl_drive::show::summary::{status, summarize, tell_failed_scenario};
 use rpl_lang::formatter;
@@ -62,7 +63,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         drive(&mut system, Pace::default(), console, &mut records)?
     };
     if arguments.json {
-        console.print(&summarize(&system, ending, &records, seed, began).as_json()?)?;
+        console.print(&summarize(&system, ending, &records.observed, seed, began).as_json()?)?;
         console.flush()?;
     }
     match ending {

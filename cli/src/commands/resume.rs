@@ -8,6 +8,7 @@ use rpl_drive::hosts::{self, HostLines, HostSource, Use};
 use rpl_drive::journal::{
     self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
 };
+use rpl_drive::observed::Observed;
 use rpl_drive::prepared_run::PreparedRun;
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
@@ -127,20 +128,36 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let journal = journal.with_changes(changes, state.as_ref().map_or(0, |state| state.changes));
     let header = is_at_start.then(|| kept.head.run.trace_header());
     let trace = trace.map(|ledger| TraceFile::with_ledger(ledger, header.as_ref())).transpose()?;
+    let relocalizations = state.as_ref().map_or(0, |state| state.relocalizations);
+    let observed = Observed { relocalizations, ..Observed::default() };
     let records = Records {
         journal: Some(journal),
         trace,
         pose_every_us: kept.head.pose_every_us,
         pose_due_us: state.as_ref().map_or(0, |state| state.pose_due_us),
-        relocalizations: state.as_ref().map_or(0, |state| state.relocalizations),
+        observed,
         ..Records::default()
     };
     let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
-    let figures = None;
+    let (figures, draws_choices) = (None, false);
     let json = arguments.json;
     let cases = None;
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
-        .drive(console)
+    PreparedRun {
+        site,
+        world,
+        system,
+        seed,
+        pace,
+        records,
+        cases,
+        figures,
+        draws_choices,
+        host_lines,
+        modules,
+        json,
+        began,
+    }
+    .drive(console)
 }
 
 /// Who moves the robot from now on.

@@ -7,11 +7,13 @@ use clap_complete::engine::ArgValueCompleter;
 use rpl_drive::hosts::{HostArguments, HostSource, Use};
 use rpl_drive::journal::{KeptRun, KeptText, RunJournal, Writing};
 use rpl_drive::mcap::McapRecording;
+use rpl_drive::observed::Observed;
+use rpl_drive::onlooker::Onlooker;
 use rpl_drive::prepared_run::PreparedRun;
 use rpl_drive::recorded_run::{RecordedRun, RecordedText};
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
-use rpl_drive::seen::{Live, LiveArguments, plan_texts};
+use rpl_drive::seen::{LiveArguments, SeenRun, plan_texts};
 use rpl_drive::show::figures;
 use rpl_drive::trace::TraceFile;
 use rpl_mission::robot::Robot;
@@ -195,7 +197,7 @@ pub fn run_on(
     let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
 
     let figures = output.figures.as_deref().map(figures::open_folder).transpose()?;
-    let scenes = output.figures.is_some().then(Vec::new);
+    let observed = Observed::with_scenes(output.figures.is_some());
     let pose_every_us = output.trace_poses.map(|rate| (1e6 / rate).round() as u64);
     let seed = arguments.site.seed();
     let recorded = RecordedRun {
@@ -208,7 +210,8 @@ pub fn run_on(
     };
     let recorder = arguments.host.record(&recorded)?;
     let texts = plan_texts(&loaded.program);
-    let live = Live::begin(&output.live, &recorded.trace_header(), texts, (&site, world.as_ref()), console)?;
+    let (seen, steering) =
+        SeenRun::begin(&output.live, &recorded.trace_header(), texts, (&site, world.as_ref()), console)?;
     let (mut journal, trace) = match &arguments.journal.journal {
         Some(path) => {
             let (journal, trace) = begin_journal(path, arguments, recorded, kept_plan, (&site, world.as_ref()))?;
@@ -217,8 +220,12 @@ pub fn run_on(
         None => (None, create_trace(output, &recorded)?),
     };
     let mcap = output.mcap.as_ref().map(|path| OutputFile::open(path, "the MCAP recording")?.begin()).transpose()?;
-    let mcap = mcap.map(|file| McapRecording::begin(file, site.office())).transpose()?;
-    let wants_events = trace.is_some() || mcap.is_some() || world.is_some() || live.is_some();
+    let mut onlookers: Vec<Box<dyn Onlooker>> = Vec::new();
+    if let Some(file) = mcap {
+        onlookers.push(Box::new(McapRecording::begin(file, site.office())?));
+    }
+    onlookers.extend(seen.map(|seen| Box::new(seen) as Box<dyn Onlooker>));
+    let wants_events = trace.is_some() || world.is_some() || !onlookers.is_empty();
     let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
     if arguments.site.tells_modules {
         modules.tell(console);
@@ -229,21 +236,26 @@ pub fn run_on(
     if let Some(journal) = &mut journal {
         journal.instant_begun(&system);
     }
-    let records = Records {
-        trace,
-        mcap,
-        journal,
-        live,
-        recorder,
-        pose_every_us,
-        scenes,
-        draws_choices: output.choices,
-        ..Records::default()
-    };
+    let records =
+        Records { trace, journal, recorder, pose_every_us, steering, observed, onlookers, ..Records::default() };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
-    let json = output.json;
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
-        .drive(console)
+    let (json, draws_choices) = (output.json, output.choices);
+    PreparedRun {
+        site,
+        world,
+        system,
+        seed,
+        pace,
+        records,
+        cases,
+        figures,
+        draws_choices,
+        host_lines,
+        modules,
+        json,
+        began,
+    }
+    .drive(console)
 }
 
 /// A run at its start.

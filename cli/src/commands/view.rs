@@ -7,10 +7,11 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
 use rpl_drive::hosts::{self, Use};
 use rpl_drive::journal::{self, JournalEnd, KeptRun, checkpoint_times};
+use rpl_drive::onlooker::Onlooker;
 use rpl_drive::prepared_run::PreparedRun;
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
-use rpl_drive::seen::{Feed, Live, LiveArguments, head, plan_texts, stay, title};
+use rpl_drive::seen::{Feed, LiveArguments, SeenRun, head, plan_texts, stay, title};
 use rpl_drive::show::events;
 use rpl_drive::trace::{Header, TraceReader};
 use rpl_link::recording::RecordedTurns;
@@ -202,11 +203,26 @@ fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> 
     let seed = kept.head.run.seed;
     let (texts, header) = (plan_texts(&loaded.program), kept.head.run.trace_header());
     let (robot, host_lines) = hosts::heard(kept.head.run.host.as_ref(), &turns)?.robot(&site, seed, Use::Run, None)?;
-    let live = Live::begin(&arguments.live(), &header, texts, (&site, world.as_ref()), console)?;
+    let (seen, steering) = SeenRun::begin(&arguments.live(), &header, texts, (&site, world.as_ref()), console)?;
     let system = run::begun(&site, loaded, robot, seed, kept.head.run.max_steps, true);
-    let records = Records { live, ..Records::default() };
+    let onlookers = seen.map(|seen| Box::new(seen) as Box<dyn Onlooker>).into_iter().collect();
+    let records = Records { steering, onlookers, ..Records::default() };
     let pace = Pace { until_us: reached_us.or(kept.head.run.until_us), stopped_us: None, factor: None };
-    let (cases, figures, json) = (None, None, false);
-    PreparedRun { site, world, system, seed, pace, records, cases, figures, host_lines, modules, json, began }
-        .drive(console)
+    let (cases, figures, draws_choices, json) = (None, None, false, false);
+    PreparedRun {
+        site,
+        world,
+        system,
+        seed,
+        pace,
+        records,
+        cases,
+        figures,
+        draws_choices,
+        host_lines,
+        modules,
+        json,
+        began,
+    }
+    .drive(console)
 }

@@ -1,6 +1,6 @@
 //! How a run of a journal ended: once that stands there, it is over.
 
-use crate::run_record::RunEnd;
+use crate::observed::RunEnd;
 use anyhow::{Result, bail};
 use rpl_link::journal::folder::JournalFolder;
 use rpl_link::journal::{frames, own_file};

@@ -2,7 +2,9 @@
 
 use super::channels::{McapFile, Topic};
 use super::conversion as of;
-use anyhow::Result;
+use crate::onlooker::{Happened, Onlooker};
+use crate::show::events::LineKind;
+use anyhow::{Context, Result};
 use rpl_mission::robot::Robot;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::OfficeModel;
@@ -10,7 +12,6 @@ use rpl_robot::planning::Target;
 use rpl_robot::sensors::SonarArray;
 use rpl_ros_messages::messages as ros;
 use rpl_ros_messages::text::String as Text;
-use rpl_runtime::state::trace::Event;
 use serde_json::json;
 use std::fs::File;
 use std::sync::Arc;
@@ -72,42 +73,32 @@ impl McapRecording {
         let robot = office.map(|office| RobotTopics::begin(&mut file, office)).transpose()?;
         Ok(Self { file, log, events, robot })
     }
+}
 
-    /// Writes what the plan logged.
-    ///
-    /// # Errors
-    /// The disk is full.
-    pub fn log(&mut self, time_us: u64, text: &str) -> Result<()> {
-        let line = json!({ "time_s": time_us as f64 / 1e6, "text": text }).to_string();
-        self.file.write(&mut self.log, time_us, &Text { data: line })
+impl Onlooker for McapRecording {
+    /// What the plan logged, and the events as the trace has them.
+    fn happened(&mut self, happened: &Happened<'_>, _: &mut Robot) -> Result<()> {
+        let now_us = happened.now_us;
+        for told in happened.told.iter().filter(|told| told.kind == LineKind::Log) {
+            let line = json!({ "time_s": now_us as f64 / 1e6, "text": told.text }).to_string();
+            self.file.write(&mut self.log, now_us, &Text { data: line })?;
+        }
+        for event in happened.events {
+            self.file.write(&mut self.events, event.time_us, &Text { data: crate::trace::line(event) })?;
+        }
+        Ok(())
     }
 
-    /// Writes an event, as the trace has it.
-    ///
-    /// # Errors
-    /// The disk is full.
-    pub fn event(&mut self, event: &Event) -> Result<()> {
-        let line = crate::trace::line(event);
-        self.file.write(&mut self.events, event.time_us, &Text { data: line })
-    }
-
-    /// Writes what is new of the robot at this time of the run.
-    ///
-    /// # Errors
-    /// The disk is full.
-    pub fn look(&mut self, robot: &mut Robot, now_us: u64) -> Result<()> {
+    fn stepped(&mut self, now_us: u64, robot: &mut Robot) -> Result<()> {
         match &mut self.robot {
             Some(topics) => topics.look(&mut self.file, robot, now_us),
             None => Ok(()),
         }
     }
 
-    /// Writes the index of the file.
-    ///
-    /// # Errors
-    /// The disk is full.
-    pub fn finish(&mut self) -> Result<()> {
-        self.file.finish()
+    /// The index of the file.
+    fn ends(&mut self) -> Result<()> {
+        self.file.finish().context("the MCAP file cannot be written")
     }
 }
 

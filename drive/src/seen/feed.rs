@@ -3,7 +3,7 @@
 use super::robot_view::RobotView;
 use super::task_view::{TaskView, cut};
 use crate::show::event_line::ROBOT;
-use crate::show::events::{ToldLine, detail};
+use crate::show::events::{LineKind, ToldLine, detail};
 use crate::trace::TracedPose;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
@@ -66,12 +66,12 @@ impl Feed {
 
     /// Takes in what a person was told in an instant.
     pub fn told(&mut self, time_us: u64, told: &ToldLine) {
-        let (kind, text) = match told {
-            ToldLine::Print(text) => (ToldKind::Print, text.as_str()),
-            ToldLine::Log(line) => (ToldKind::Log, untimed(line)),
-            ToldLine::Event(line) => (ToldKind::Robot, untimed(line)),
+        let kind = match told.kind {
+            LineKind::Print => ToldKind::Print,
+            LineKind::Log => ToldKind::Log,
+            LineKind::Event => ToldKind::Robot,
         };
-        self.add(time_us, [Seen::Told(Told { kind, text: cut(text), task: String::new() })]);
+        self.add(time_us, [Seen::Told(Told { kind, text: cut(&told.text), task: String::new() })]);
     }
 
     /// Looks at the robot, which is seen as said.
@@ -85,11 +85,6 @@ impl Feed {
         let seen = self.robot.note(&pose.sight);
         self.add(pose.time_us, seen);
     }
-}
-
-/// A line that was told has its time before it; the page shows that by itself.
-fn untimed(line: &str) -> &str {
-    line.split_once(" s  ").map_or(line, |(_, text)| text)
 }
 
 fn fluent(event: &Event) -> Option<Seen> {

@@ -3,16 +3,19 @@
 use super::feed::Feed;
 use super::head;
 use super::steering::Steering;
+use crate::onlooker::{Happened, Onlooker};
 use crate::trace::Header;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueHint;
+use rpl_mission::robot::Robot;
+use rpl_mission::sight::Sight;
 use rpl_mission::site::Site;
 use rpl_page::html::{Source, page};
 use rpl_page::report::report;
 use rpl_page::series::{Series, Text};
 use rpl_page::server::Server;
 use rpl_page::server::access::Access;
-use rpl_page::server::news::{RunState, Trouble};
+use rpl_page::server::news::Trouble;
 use rpl_robot::world::World;
 use rpl_shell::files::outputs::OutputFile;
 use rpl_shell::interrupt;
@@ -117,17 +120,16 @@ fn open(link: &str, console: &mut Console) {
 }
 
 /// A run that is seen.
-pub struct Live {
+pub struct SeenRun {
     /// Takes in what happens.
-    pub feed: Feed,
-    /// How the page steers the run.
-    pub steering: Option<Steering>,
+    feed: Feed,
     title: String,
     report: Option<OutputFile>,
 }
 
-impl Live {
-    /// What the arguments want to be seen of a run that is about to begin; none if that is nothing.
+impl SeenRun {
+    /// What the arguments want to be seen of a run that is about to begin, and how its page steers it; none if nothing
+    /// is to be seen, or there is no page.
     ///
     /// # Errors
     /// The page cannot be served, or the report cannot be written.
@@ -137,9 +139,9 @@ impl Live {
         texts: Vec<Text>,
         (site, world): (&Site, Option<&World>),
         console: &mut Console,
-    ) -> Result<Option<Self>> {
+    ) -> Result<(Option<Self>, Option<Steering>)> {
         if !arguments.is_wanted() {
-            return Ok(None);
+            return Ok((None, None));
         }
         let office = site.office().filter(|_| world.is_some());
         let robot = office.map(|office| (&office.sensors, &office.limits));
@@ -150,33 +152,28 @@ impl Live {
         let news = server.as_ref().map(|server| server.news.clone());
         let feed = Feed::new(report.is_some().then_some(series), news, arguments.truth);
         let steering = server.map(|server| Steering::new(server, arguments.control, run.plan.clone()));
-        Ok(Some(Self { feed, steering, title, report }))
+        Ok((Some(Self { feed, title, report }), steering))
     }
+}
 
-    /// The run is over: its report is written.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn end(&mut self) -> Result<()> {
-        if let (Some(file), Some(series)) = (self.report.take(), self.feed.kept()) {
-            file.write(report(&self.title, &[series])?.as_bytes())?;
-        }
-        if let Some(steering) = &mut self.steering {
-            steering.stand(RunState::Ended);
-        }
+impl Onlooker for SeenRun {
+    fn happened(&mut self, happened: &Happened<'_>, _: &mut Robot) -> Result<()> {
+        self.feed.events(happened.events);
+        happened.told.iter().for_each(|told| self.feed.told(happened.now_us, told));
         Ok(())
     }
 
-    /// Why the page does not answer, if there is one and that was not told before.
-    pub fn trouble(&mut self) -> Option<Trouble> {
-        self.steering.as_mut()?.trouble()
+    fn seen(&mut self, now_us: u64, sight: &Sight, robot: &mut Robot) -> Result<()> {
+        self.feed.look(now_us, sight, robot);
+        Ok(())
     }
 
-    /// Keeps the page until Ctrl-C, if there is one.
-    pub fn stay(&mut self, console: &mut Console) {
-        if let Some(steering) = &mut self.steering {
-            stay(|| steering.trouble(), console);
+    /// The report.
+    fn ends(&mut self) -> Result<()> {
+        if let (Some(file), Some(series)) = (self.report.take(), self.feed.kept()) {
+            file.write(report(&self.title, &[series])?.as_bytes())?;
         }
+        Ok(())
     }
 }
 

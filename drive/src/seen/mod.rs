@@ -17,5 +17,5 @@ mod task_view;
 
 pub use feed::Feed;
 pub use head::{head, plan_texts, title};
-pub use live::{Live, LiveArguments, stay};
+pub use live::{LiveArguments, SeenRun, stay};
 pub use steering::{SteeredTurn, Steering};

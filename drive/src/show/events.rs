@@ -4,6 +4,7 @@ use rpl_lang::visible::visible;
 use rpl_robot::office::{ACTIVE_LOCALIZATION, ReportKind};
 use rpl_runtime::state::output::{Channel, Output};
 use rpl_runtime::state::trace::{Event, EventKind};
+use std::borrow::Cow;
 
 /// A detail of an event by its name; empty if it has none.
 pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
@@ -21,44 +22,61 @@ fn is_loss(event: &Event) -> bool {
     ReportKind::of(event) == Some(ReportKind::PositionLost)
 }
 
-/// A line that a run has for a person.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ToldLine {
-    /// What happened, with its time.
-    Event(String),
+/// What a line tells of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineKind {
+    /// What happened.
+    Event,
     /// What the plan printed.
-    Print(String),
+    Print,
     /// What the plan logged.
-    Log(String),
+    Log,
 }
 
-/// What happened and what the plan wrote, in the order of happening; a line of the log has its time
-/// as well. `is_lost` as for [`lines`].
+/// A line that a run has for a person.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ToldLine {
+    /// What it tells of.
+    pub kind: LineKind,
+    /// When that was.
+    pub time_us: u64,
+    /// What it says, without the time.
+    pub text: String,
+}
+
+impl ToldLine {
+    /// As it is written: what was printed as it is, all else behind its time.
+    pub fn line(&self) -> Cow<'_, str> {
+        match self.kind {
+            LineKind::Print => Cow::Borrowed(&self.text),
+            LineKind::Event | LineKind::Log => Cow::Owned(format!("{:.1} s  {}", self.time_us as f64 / 1e6, self.text)),
+        }
+    }
+}
+
+/// What happened and what the plan wrote, in the order of happening. `is_lost` as for [`lines`].
 pub fn in_order(events: &[Event], output: Vec<Output>, is_lost: bool) -> Vec<ToldLine> {
     let mut lines = lines(events, is_lost).into_iter().peekable();
     let mut told = Vec::new();
     for Output { channel, text, time_us, sequence } in output {
-        let is_before = |line: &(u64, String)| line.0 < sequence;
+        let is_before = |line: &(u64, ToldLine)| line.0 < sequence;
         while let Some((_, line)) = lines.next_if(is_before) {
-            told.push(ToldLine::Event(line));
+            told.push(line);
         }
-        told.push(match channel {
-            Channel::Print => ToldLine::Print(text),
-            Channel::Log => ToldLine::Log(timed(time_us, &text)),
-        });
+        let kind = match channel {
+            Channel::Print => LineKind::Print,
+            Channel::Log => LineKind::Log,
+        };
+        told.push(ToldLine { kind, time_us, text });
     }
-    told.extend(lines.map(|(_, line)| ToldLine::Event(line)));
+    told.extend(lines.map(|(_, line)| line));
     told
-}
-
-fn timed(time_us: u64, text: &str) -> String {
-    format!("{:.1} s  {text}", time_us as f64 / 1e6)
 }
 
 /// A line for each event of an instant that matters, behind the event's number. `is_lost` tells
 /// whether the robot does not know its position at the end of the instant; if it does, a
 /// relocalization has nothing to do.
-fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
+fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, ToldLine)> {
     let relocalizes = is_lost && events.iter().any(is_relocalization);
     let has_loss = events.iter().any(is_loss);
     let text = |event: &Event| match event.kind {
@@ -74,7 +92,10 @@ fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, String)> {
         // A log line is written anyway, a failure at the end if it matters then.
         _ => None,
     };
-    let numbered = |event: &Event| Some((event.sequence, timed(event.time_us, &text(event)?)));
+    let numbered = |event: &Event| {
+        let line = ToldLine { kind: LineKind::Event, time_us: event.time_us, text: text(event)? };
+        Some((event.sequence, line))
+    };
     events.iter().filter_map(numbered).collect()
 }
 
@@ -120,7 +141,7 @@ mod tests {
     }
 
     fn told(events: &[Event], is_lost: bool) -> Vec<String> {
-        lines(events, is_lost).into_iter().map(|(_, line)| line).collect()
+        lines(events, is_lost).into_iter().map(|(_, line)| line.line().into_owned()).collect()
     }
 
     #[test]
@@ -128,19 +149,10 @@ mod tests {
         let reached = |sequence| Event { sequence, ..event(EventKind::Robot, &[("what", "here")]) };
         let output = |channel, sequence| Output { channel, text: "text".to_string(), time_us: 12_400_000, sequence };
         let output = vec![output(Channel::Log, 0), output(Channel::Print, 5), output(Channel::Log, 5)];
-        let (line, log) = ("12.4 s  here".to_string(), "12.4 s  text".to_string());
         let told = in_order(&[reached(4), reached(5)], output, false);
-        let print = ToldLine::Print("text".to_string());
-        assert_eq!(
-            told,
-            [
-                ToldLine::Log(log.clone()),
-                ToldLine::Event(line.clone()),
-                print,
-                ToldLine::Log(log),
-                ToldLine::Event(line)
-            ]
-        );
+        let lines: Vec<_> = told.iter().map(|told| (told.kind, told.line())).collect();
+        let (event, log) = ((LineKind::Event, "12.4 s  here".into()), (LineKind::Log, "12.4 s  text".into()));
+        assert_eq!(lines, [log.clone(), event.clone(), (LineKind::Print, "text".into()), log, event]);
     }
 
     #[test]

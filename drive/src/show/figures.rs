@@ -1,6 +1,6 @@
 //! Drawings of a mission: the map, the true and the estimated path, where the robot may be, and what it chose.
 
-use crate::run_record::{BeliefScene, Records};
+use crate::observed::{BeliefScene, Observed};
 use crate::show::choice_figures;
 use crate::trace::TracedPose;
 use anyhow::Result;
@@ -74,10 +74,11 @@ pub fn write_mission(
     folder: &mut OutputFolder,
     world: &World,
     robot_radius_m: f64,
-    records: &Records,
+    observed: &Observed,
     belief: Option<&PositionBelief>,
+    draws_choices: bool,
 ) -> Result<()> {
-    let track = &records.track;
+    let track = &observed.track;
     folder.draw(PATHS, &paths(world, robot_radius_m, track, JUMP_M).draw())?;
     if belief.is_some() {
         let mut figure = Figure::new("Where the robot may be at the end", FloorPlan::of_world(world));
@@ -88,10 +89,10 @@ pub fn write_mission(
         }
         folder.draw(BELIEF, &figure.draw())?;
     }
-    for (number, scene) in (1..).zip(records.scenes.iter().flatten()) {
+    for (number, scene) in (1..).zip(observed.scenes.iter().flatten()) {
         let name = format!("belief-{number:02}-{}.svg", scene.what.name().replace(' ', "-"));
         folder.draw(&name, &scene_figure(world, robot_radius_m, scene, &track[..scene.track_length]).draw())?;
-        if let (Some((choice, field)), true) = (&scene.choice, records.draws_choices) {
+        if let (Some((choice, field)), true) = (&scene.choice, draws_choices) {
             choice_figures::write(folder, &format!("choice-{number:02}"), choice, field)?;
         }
     }

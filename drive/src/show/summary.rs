@@ -1,6 +1,6 @@
 //! How a run went, at its end: for a person, as JSON, and as an exit status.
 
-use crate::run_record::{Records, RunEnd};
+use crate::observed::{Observed, RunEnd};
 use crate::show::failure_report::{FailureRecord, PLAN_FAILED, Reporter, SCENARIO_FAILED};
 use anyhow::{Context, Result};
 use rpl_mission::robot::Robot;
@@ -58,7 +58,7 @@ impl RunSummary {
 }
 
 /// What came of a run.
-pub fn summarize(system: &System<Robot>, ending: RunEnd, records: &Records, seed: u64, began: Instant) -> RunSummary {
+pub fn summarize(system: &System<Robot>, ending: RunEnd, observed: &Observed, seed: u64, began: Instant) -> RunSummary {
     let value = match ending {
         RunEnd::Outcome(Outcome::Succeeded(value)) => Some(system.machine.write(&system.program, value)),
         _ => None,
@@ -83,7 +83,7 @@ pub fn summarize(system: &System<Robot>, ending: RunEnd, records: &Records, seed
         time_s: system.machine.now_s(),
         failure,
         account: system.outside.account().unwrap_or(Account::NOTHING),
-        relocalizations: records.relocalizations,
+        relocalizations: observed.relocalizations,
         wall_s: (began.elapsed().as_secs_f64() * 1e3).round() / 1e3,
         seed,
     }

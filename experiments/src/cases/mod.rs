@@ -1,17 +1,13 @@
 //! The case memory of RUPART without its robot (Fox and Anderson-Sprecher 2006): how good its routes are and how
 //! much work, and whether the kind of case comes back that is needed.
 
-mod behaviours;
+pub mod behaviours;
 mod control_figures;
 pub mod days;
-mod kinds;
+pub mod kinds;
 mod pictures;
 mod route_rows;
-mod routes;
-
-pub use behaviours::{Behaviours, row_names as behaviour_rows};
-pub use kinds::{Kinds, row_names as kind_rows};
-pub use routes::{Routes, row_names as route_rows};
+pub mod routes;
 
 use super::request::ExperimentRequest;
 use anyhow::Result;

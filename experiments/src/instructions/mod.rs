@@ -6,16 +6,10 @@
 //! camera finds), `figures`.
 
 mod course;
-mod delivery;
-mod features;
+pub mod delivery;
+pub mod features;
 mod figures;
-mod markers;
-mod openings;
+pub mod markers;
+pub mod openings;
 mod setting;
-mod topological;
-
-pub use delivery::{OfficeDelivery, row_names as delivery_rows};
-pub use features::{HallwayFeatures, row_names as feature_rows};
-pub use markers::{MarkerDetections, row_names as marker_rows};
-pub use openings::{CountOpenings, row_names as counting_rows};
-pub use topological::{TopologicalDrives, row_names as map_rows};
+pub mod topological;
