@@ -7,6 +7,7 @@ use crate::state::valve_line::Turn;
 use crate::state::valve_place::{Handover, Link, LinkKind};
 use crate::step::native::Surroundings;
 use crate::step::valve::way::Way;
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// A task that gets a place, and what is to be interrupted for it.
@@ -20,7 +21,7 @@ struct Served {
 
 /// Who is served next, and what keeps a more important one from it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct NextServed {
+struct NextServed {
     served: Option<Served>,
     /// By place, the first whom a clean-up keeps from it, and the root of that.
     blocked: BTreeMap<u32, (Turn, u32)>,
@@ -30,7 +31,7 @@ pub(super) struct NextServed {
 
 impl NextServed {
     /// Notes the way of one who waits; tells whether it leads on.
-    pub(super) fn note(&mut self, priorities: &Priorities, turn: Turn, task: u32, place: u32, way: Way) -> bool {
+    fn note(&mut self, priorities: &Priorities, turn: Turn, task: u32, place: u32, way: Way) -> bool {
         self.looks += 1;
         let is_first = |known: Option<Turn>| known.is_none_or(|known| turn.is_before(known, priorities));
         match way {
@@ -50,11 +51,6 @@ impl NextServed {
             Way::Closed => false,
         }
     }
-
-    /// Whether somebody is served.
-    pub(super) fn is_served(&self) -> bool {
-        self.served.is_some()
-    }
 }
 
 impl Machine {
@@ -62,6 +58,19 @@ impl Machine {
     /// growth counts.
     pub fn valve_work(&self) -> u64 {
         self.scratch.valve_looks
+    }
+
+    /// Whether a task that asks for a valve would get it now, whoever else waits.
+    pub(crate) fn can_have(&self, task: u32, valve: u32) -> bool {
+        let entry = &self.valves[valve as usize];
+        let priority = self.effective_priority(task);
+        let place = if entry.places == 1 { Some(entry.first_place) } else { self.place_above(task, valve) };
+        if let Some(place) = place {
+            return matches!(self.way(task, priority, place), Way::Open | Way::Through(_));
+        }
+        let mut next = NextServed::default();
+        self.look_for_place(&mut next, valve, Turn { priority, asked: entry.asked }, task);
+        next.served.is_some()
     }
 
     /// Something has changed about a valve.
@@ -164,6 +173,37 @@ impl Machine {
         if let Some((turn, task)) = below.line.iter().nth(lent) {
             self.look_for_place(next, valve, turn, task);
         }
+    }
+
+    /// Looks for the place that a task could have which belongs to none: a free one, unless an interrupted task comes
+    /// before it, or else that of the least important holder that can be interrupted.
+    fn look_for_place(&self, next: &mut NextServed, valve: u32, turn: Turn, task: u32) {
+        if let Some(free) = self.free_place(valve) {
+            let is_first =
+                self.interrupted(valve).all(|known| self.priorities.is_higher(turn.priority, known.priority));
+            next.note(&self.priorities, turn, task, free, if is_first { Way::Open } else { Way::Closed });
+            return;
+        }
+        let places = self.places_held_below(turn.priority, valve);
+        places
+            .into_iter()
+            .find(|&place| next.note(&self.priorities, turn, task, place, self.way(task, turn.priority, place)));
+    }
+
+    /// Places whose holders have lower priorities than this: the lowest first, among equals that which has had its
+    /// owner for the shortest time.
+    fn places_held_below(&self, priority: u32, valve: u32) -> Vec<u32> {
+        let mut held: Vec<(u32, u32)> = self.valves[valve as usize]
+            .places()
+            .filter(|&place| self.places[place as usize].handover.is_none())
+            .filter_map(|place| Some((self.tasks[self.holder_of(place)?].priority, place)))
+            .filter(|&(held, _)| self.priorities.is_higher(priority, held))
+            .collect();
+        held.sort_by(|&(one, place), &(other, other_place)| {
+            let since = |place: u32| Reverse(self.places[place as usize].since);
+            self.compare_priorities(one, other).then_with(|| since(place).cmp(&since(other_place)))
+        });
+        held.into_iter().map(|(_, place)| place).collect()
     }
 
     /// The place that is given back next, its topmost mark that of who was interrupted.

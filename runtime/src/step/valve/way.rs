@@ -2,9 +2,7 @@
 
 use crate::state::machine::Machine;
 use crate::state::slab::NONE;
-use crate::state::valve_line::Turn;
-use crate::step::valve::serving::NextServed;
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// How a task that waits can come to have a place.
@@ -21,50 +19,6 @@ pub(crate) enum Way {
 }
 
 impl Machine {
-    /// Whether a task that asks for a valve would get it now, whoever else waits.
-    pub(crate) fn can_have(&self, task: u32, valve: u32) -> bool {
-        let entry = &self.valves[valve as usize];
-        let priority = self.effective_priority(task);
-        let place = if entry.places == 1 { Some(entry.first_place) } else { self.place_above(task, valve) };
-        if let Some(place) = place {
-            return matches!(self.way(task, priority, place), Way::Open | Way::Through(_));
-        }
-        let mut next = NextServed::default();
-        self.look_for_place(&mut next, valve, Turn { priority, asked: entry.asked }, task);
-        next.is_served()
-    }
-
-    /// Looks for the place that a task could have which belongs to none: a free one, unless an interrupted task comes
-    /// before it, or else that of the least important holder that can be interrupted.
-    pub(super) fn look_for_place(&self, next: &mut NextServed, valve: u32, turn: Turn, task: u32) {
-        if let Some(free) = self.free_place(valve) {
-            let is_first =
-                self.interrupted(valve).all(|known| self.priorities.is_higher(turn.priority, known.priority));
-            next.note(&self.priorities, turn, task, free, if is_first { Way::Open } else { Way::Closed });
-            return;
-        }
-        let places = self.places_held_below(turn.priority, valve);
-        places
-            .into_iter()
-            .find(|&place| next.note(&self.priorities, turn, task, place, self.way(task, turn.priority, place)));
-    }
-
-    /// Places whose holders have lower priorities than this: the lowest first, among equals that which has had its
-    /// owner for the shortest time.
-    fn places_held_below(&self, priority: u32, valve: u32) -> Vec<u32> {
-        let mut held: Vec<(u32, u32)> = self.valves[valve as usize]
-            .places()
-            .filter(|&place| self.places[place as usize].handover.is_none())
-            .filter_map(|place| Some((self.tasks[self.holder_of(place)?].priority, place)))
-            .filter(|&(held, _)| self.priorities.is_higher(priority, held))
-            .collect();
-        held.sort_by(|&(one, place), &(other, other_place)| {
-            let since = |place: u32| Reverse(self.places[place as usize].since);
-            self.compare_priorities(one, other).then_with(|| since(place).cmp(&since(other_place)))
-        });
-        held.into_iter().map(|(_, place)| place).collect()
-    }
-
     pub(super) fn compare_priorities(&self, one: u32, other: u32) -> Ordering {
         match (self.priorities.is_higher(one, other), self.priorities.is_higher(other, one)) {
             (true, _) => Ordering::Greater,
