@@ -5,6 +5,15 @@ use crate::geometry::{Point, Vector};
 use crate::world::{Object, Rect, SeenBy, Shape};
 use rpl_random::Stream;
 
+/// What became of the furniture since the map was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Furniture {
+    /// It stands as it is mapped.
+    AsMapped,
+    /// Some pieces were moved by half a metre to two metres, some are gone, and some are new.
+    Rearranged,
+}
+
 /// Spots that are tried for a piece.
 const TRIES: usize = 40;
 

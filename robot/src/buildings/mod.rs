@@ -22,6 +22,7 @@ use crate::geometry::{Point, Pose};
 use crate::world::World;
 use draft::Draft;
 use floor::Floor;
+pub use furniture::Furniture;
 use rpl_random::Stream;
 
 /// So many draws are made before there is no building.
@@ -86,15 +87,6 @@ impl BuildingKind {
             Self::Lots => lots::draw(stream),
         }
     }
-}
-
-/// What became of the furniture since the map was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Furniture {
-    /// It stands as it is mapped.
-    AsMapped,
-    /// Some pieces were moved by half a metre to two metres, some are gone, and some are new.
-    Rearranged,
 }
 
 /// A building, and its map.

@@ -1,8 +1,7 @@
 //! Floor plans that somebody has recorded.
 
-use super::Furniture;
 use super::draft::{Draft, people};
-use super::furniture::furnish;
+use super::furniture::{Furniture, furnish};
 use crate::world::World;
 use rpl_random::Stream;
 

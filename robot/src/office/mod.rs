@@ -35,6 +35,7 @@ mod position;
 mod report;
 mod robot;
 mod save;
+mod saved_bytes;
 mod scenario;
 mod simulated_robot;
 mod words;

@@ -2,7 +2,7 @@
 
 use super::model::OfficeModel;
 use super::position::Position;
-use super::save::taken;
+use super::saved_bytes::taken;
 use crate::foresight::act_model::ActModel;
 use crate::geometry::Velocity;
 use crate::navigation::NavigationInput;

@@ -7,6 +7,7 @@ use super::model::PositionBy;
 use super::module::Module;
 use super::report::Report;
 use super::robot::OfficeRobot;
+use super::saved_bytes::{read, taken};
 use super::scenario::Oracle;
 use crate::active::ActiveParameters;
 use crate::description::RobotDescription;
@@ -50,15 +51,6 @@ impl Setting {
 
 fn written(value: &impl Serialize) -> Vec<u8> {
     append(Vec::new(), value)
-}
-
-/// A value, and the bytes behind it.
-pub(super) fn taken<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<(T, &'b [u8]), String> {
-    postcard::take_from_bytes(bytes).map_err(|error| format!("its state is damaged: {error}"))
-}
-
-fn read<'b, T: Deserialize<'b>>(bytes: &'b [u8]) -> Result<T, String> {
-    taken(bytes).map(|(value, _)| value)
 }
 
 /// What is saved before the modules. Compiled once, as it knows no type of hosts and modules.

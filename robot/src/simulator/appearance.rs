@@ -4,7 +4,7 @@
 //! back more than there is of its colour. Which of the usual colours a thing has is drawn from the seed.
 
 use super::place_draws::PlaceDraws;
-use super::sweep::Body;
+use super::surface::Body;
 use crate::geometry::Point;
 use crate::world::{MarkerColour, SolidOrigin};
 

@@ -1,8 +1,8 @@
 //! A fan of rays from the middle of the robot, and where surfaces meet it, exactly: each is laid onto the
 //! rays between its two ends.
 
+use super::echo::{cross, disc_along};
 use super::surface::SurfaceForm;
-use super::sweep::{cross, disc_along};
 use crate::geometry::{Vector, wrap_angle_rad};
 use crate::sensors::LaserScanner;
 

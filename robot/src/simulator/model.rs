@@ -2,8 +2,8 @@
 
 use super::candidates::Candidates;
 use super::crowd::Crowd;
+use super::eye::{Eye, SIGHT_M};
 use super::fan::Fan;
-use super::sensors::{Eye, SIGHT_M};
 use super::settings::SimulatorSettings;
 use super::surface::{Surface, SurfaceForm, surfaces_of};
 use super::walker::FARTHEST_WALL_M;

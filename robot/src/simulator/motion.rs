@@ -1,8 +1,8 @@
 //! Driving, and what stops it.
 
 use super::arc::drive_arc;
+use super::commands::Commands;
 use super::model::SimulatorModel;
-use super::sensors::Commands;
 use super::state::{SimulatorState, SteppedBefore};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, distance_m};

@@ -4,7 +4,7 @@ use super::gripper::Gripper;
 use super::model::SimulatorModel;
 use super::odometry::OdometryBias;
 use super::pan::Pan;
-use super::sensors::SensorStreams;
+use super::percept::SensorStreams;
 use super::state::{Contacts, SimulatorState, Streams};
 use crate::geometry::Pose;
 use rpl_random::Stream;

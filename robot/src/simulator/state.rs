@@ -3,7 +3,7 @@
 use super::gripper::Gripper;
 use super::odometry::OdometryBias;
 use super::pan::Pan;
-use super::sensors::SensorStreams;
+use super::percept::SensorStreams;
 use super::walker::Walker;
 use crate::geometry::Pose;
 use crate::world::{Object, SolidOrigin};

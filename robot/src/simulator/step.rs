@@ -1,8 +1,9 @@
 //! One step of the simulation.
 
+use super::commands::Commands;
 use super::gripper::Hand;
 use super::model::SimulatorModel;
-use super::sensors::{Commands, Percept};
+use super::percept::Percept;
 use super::state::SimulatorState;
 
 impl SimulatorModel {

@@ -24,6 +24,17 @@ pub(super) enum SurfaceForm {
     },
 }
 
+/// What a surface belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Body {
+    /// Something of the world file.
+    Solid(SolidOrigin),
+    /// `state.objects_added[i]`.
+    Added(usize),
+    /// `state.people[i]`.
+    Person(usize),
+}
+
 impl SurfaceForm {
     /// Whether the front of the surface is towards a point.
     pub fn faces(&self, point: Point) -> bool {

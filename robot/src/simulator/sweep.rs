@@ -4,37 +4,16 @@
 //! never hidden, so no rays are needed: each surface is cut at the edges of the sectors, and the nearest
 //! point of each piece has a closed form. In a cone it is the nearest of its sectors.
 
+use super::echo::{Echo, cross, disc_along};
 use super::model::SimulatorModel;
 use super::state::SimulatorState;
-use super::surface::{SurfaceForm, forms_of};
+use super::surface::{Body, SurfaceForm, forms_of};
 use super::walker::PERSON_RADIUS_M;
 use crate::geometry::{Point, Pose, Vector};
 use crate::sensors::{Sectors, SonarApex, SonarArray};
-use crate::world::{SeenBy, SolidOrigin};
-
-/// The nearest point of a cone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Echo {
-    /// Distance from the apex of the cone; infinite if the cone is empty.
-    pub range_m: f64,
-    /// Cosine of the angle between the way to the point and the surface's normal there.
-    pub incidence_cos: f64,
-    /// Whether the point is the corner of a body, which scatters instead of reflecting.
-    pub corner: bool,
-}
+use crate::world::SeenBy;
 
 const SILENCE: Echo = Echo { range_m: f64::INFINITY, incidence_cos: 1.0, corner: false };
-
-/// What a surface belongs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Body {
-    /// Something of the world file.
-    Solid(SolidOrigin),
-    /// `state.objects_added[i]`.
-    Added(usize),
-    /// `state.people[i]`.
-    Person(usize),
-}
 
 /// The sectors around an apex while surfaces are laid into them.
 struct Cones<'m> {
@@ -189,20 +168,4 @@ impl<'m> Cones<'m> {
             }
         }
     }
-}
-
-/// Where a ray from the middle of the robot first meets a disc.
-pub(super) fn disc_along(direction: Vector, centre: Vector, radius_m: f64) -> Option<Echo> {
-    let along_m = direction.dot(&centre);
-    let aside_m = cross(direction, centre);
-    let depth2 = radius_m * radius_m - aside_m * aside_m;
-    if along_m <= 0.0 || depth2 < 0.0 {
-        return None;
-    }
-    let depth_m = depth2.sqrt();
-    Some(Echo { range_m: along_m - depth_m, incidence_cos: depth_m / radius_m, corner: false })
-}
-
-pub(super) fn cross(a: Vector, b: Vector) -> f64 {
-    a.x * b.y - a.y * b.x
 }

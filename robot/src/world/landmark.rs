@@ -4,7 +4,7 @@
 //! (`localization::landmark`). A robot that localizes by landmarks alone sets its odometry right at them (`landmarks`
 //! of the crate `rupart`).
 
-use super::MarkerColour;
+use super::marker::MarkerColour;
 use crate::geometry::{Point, Pose, Vector};
 use serde::{Deserialize, Serialize};
 

@@ -9,6 +9,7 @@ mod image;
 mod landmark;
 mod lookup;
 mod map;
+mod marker;
 mod parse;
 mod read;
 mod recorded;
@@ -26,6 +27,7 @@ pub use image::{GreyImage, ImageError};
 pub use landmark::Landmark;
 pub use lookup::{UnknownName, is_same_name};
 pub(crate) use map::TOUCH_M;
+pub use marker::{Marker, MarkerColour};
 pub use recorded::NoRoom;
 pub use ros_map::{MapMode, RosMap};
 pub(crate) use solid::part_within;
@@ -198,45 +200,6 @@ pub struct Item {
     pub name: String,
     /// Where it lies at the start.
     pub at: Point,
-}
-
-/// A sheet of a bright colour that lies flat on the floor, for cameras: a square along the axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Marker {
-    /// Its middle.
-    pub at: Point,
-    /// Its colour.
-    pub colour: MarkerColour,
-    /// Length of its sides.
-    pub size_m: f64,
-}
-
-/// The fluorescent colours that markers and landmarks come in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum MarkerColour {
-    /// Pink.
-    Pink,
-    /// Orange.
-    Orange,
-    /// Green.
-    Green,
-    /// Blue.
-    Blue,
-}
-
-impl MarkerColour {
-    /// All of them.
-    pub const ALL: [MarkerColour; 4] = [Self::Pink, Self::Orange, Self::Green, Self::Blue];
-
-    /// As world files and people call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pink => "pink",
-            Self::Orange => "orange",
-            Self::Green => "green",
-            Self::Blue => "blue",
-        }
-    }
 }
 
 /// A world file, read.

@@ -1,8 +1,8 @@
 //! The poses that explain a scan, and what each of them is worth.
 
-use super::ScanLocator;
 use super::bound::HEADINGS;
-use super::scan::Scan;
+use super::locator::ScanLocator;
+use super::scan::{RangeBeam, Scan};
 use super::search::{Candidate, Candidates};
 use crate::geometry::{Pose, wrap_angle_rad};
 use rayon::prelude::*;
@@ -65,8 +65,17 @@ fn clustered(mut all: Vec<Cluster>) -> (Vec<Cluster>, Vec<Cluster>) {
 }
 
 impl ScanLocator {
+    /// All poses that explain a scan. Cost: some ten milliseconds on 2,000 m² on one core; in proportion to the area.
+    pub fn locate(&self, beams: &[RangeBeam]) -> Located {
+        let scan = Scan::new(beams, &self.scale, &self.judge);
+        if scan.is_empty() {
+            return Located { poses: Vec::new(), elsewhere: 1.0, nowhere: 0.0 };
+        }
+        self.answer(&scan, &self.candidates(&scan))
+    }
+
     /// What candidates are worth, and that nothing explains the scan.
-    pub(super) fn answer(&self, scan: &Scan, Candidates { some, others }: &Candidates) -> Located {
+    fn answer(&self, scan: &Scan, Candidates { some, others }: &Candidates) -> Located {
         let limit = some.iter().map(|candidate| candidate.nats).fold(f64::INFINITY, f64::min) + COARSE_MARGIN;
         let explaining = some.iter().filter(|candidate| candidate.nats <= limit);
         let (coarse, beyond) =

@@ -1,7 +1,7 @@
 //! Branch and bound: which blocks and headings may explain a scan.
 
-use super::ScanLocator;
 use super::bound::{HEADINGS, SearchBeam, costs};
+use super::locator::ScanLocator;
 use super::scan::Scan;
 use crate::geometry::Pose;
 use rayon::prelude::*;

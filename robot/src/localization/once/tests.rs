@@ -1,10 +1,13 @@
 //! Small maps, brute force, and what must not depend on how it is computed.
 
 use super::bound::{HEADINGS, costs};
+use super::scan::Scan;
 use super::trial::{TrialGround, TrialSensor, Verdict};
 use super::*;
 use crate::geometry::{Point, Pose};
-use crate::occupancy::Cell;
+use crate::localization::error::ModelError;
+use crate::localization::scan_parameters::BeamParameters;
+use crate::occupancy::{Cell, DistanceField, OccupancyGrid};
 use crate::sensors::LaserScanner;
 use rpl_random::Stream;
 

@@ -3,72 +3,23 @@
 //! What stands reaches above the image, whatever it is: a camera looks over nothing. Farther off than
 //! [`SIGHT_M`] nothing is drawn.
 
-use super::Commands;
-use crate::description::Camera;
 use crate::geometry::{Point, Pose, Transform, Vector};
-use crate::sensors::{CameraImage, CameraReading, CameraView, LaserScanner, Pixel, Rgb};
+use crate::sensors::{CameraImage, CameraReading, Rgb};
 use crate::simulator::appearance::{Appearance, Colour, Light};
-use crate::simulator::fan::Fan;
+use crate::simulator::commands::Commands;
+use crate::simulator::echo::cross;
+use crate::simulator::eye::{Eye, Line, SIGHT_M};
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::state::SimulatorState;
-use crate::simulator::sweep::{Body, cross};
+use crate::simulator::surface::Body;
 use crate::world::{Landmark, Marker};
 use rpl_random::Stream;
-
-/// So far the camera sees.
-pub(in crate::simulator) const SIGHT_M: f64 = 6.0;
-
-/// Rays of the fan for each column of the image, so that what stands has its edge to a part of a pixel.
-const RAYS_PER_COLUMN: usize = 3;
-
-/// The camera of a robot, ready for looking.
-#[derive(Debug)]
-pub(in crate::simulator) struct Eye {
-    camera: Camera,
-    /// The bearings of the image.
-    fan: Fan,
-    /// Where each pixel looks, the top row first.
-    lines: Vec<Line>,
-}
-
-/// Where a pixel looks, in `pan`.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    /// In the plane, of unit length.
-    direction: Vector,
-    /// How far it sinks in each metre along.
-    drop_per_m: f64,
-    /// The ray of the fan beside it.
-    ray: usize,
-}
 
 /// What a ray of the fan meets first.
 #[derive(Clone, Copy)]
 struct Hit {
     range_m: f64,
     body: Option<Body>,
-}
-
-impl Eye {
-    pub fn new(camera: Camera) -> Self {
-        let fan = Fan::new(bearings(&camera.view));
-        let line = |number: usize| {
-            let (column, row) = (number % camera.view.columns, number / camera.view.columns);
-            let sight = camera.view.sight(Pixel { column: column as f64 + 0.5, row: row as f64 + 0.5 });
-            let ray = libm::round(fan.scanner.reading_at(libm::atan2(sight.direction.y, sight.direction.x)));
-            let ray = ray.clamp(0.0, fan.scanner.readings as f64 - 1.0) as usize;
-            Line { direction: sight.direction, drop_per_m: sight.drop_per_m, ray }
-        };
-        Self { lines: (0..camera.view.columns * camera.view.rows).map(line).collect(), fan, camera }
-    }
-}
-
-/// Rays over all bearings of an image: the lower a row, the wider they are apart.
-fn bearings(view: &CameraView) -> LaserScanner {
-    let corner = view.sight(Pixel { column: 0.0, row: view.rows as f64 }).direction;
-    let widest_deg = libm::atan2(corner.y, corner.x).to_degrees();
-    let readings = RAYS_PER_COLUMN * view.columns + 1;
-    LaserScanner { readings, resolution_deg: 2.0 * widest_deg / (readings - 1) as f64, range_m: SIGHT_M }
 }
 
 impl SimulatorModel {

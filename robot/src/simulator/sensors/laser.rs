@@ -1,7 +1,7 @@
 //! The laser range finder.
 
-use super::Commands;
 use crate::geometry::Pose;
+use crate::simulator::commands::Commands;
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::state::SimulatorState;
 use rpl_random::Stream;

@@ -1,11 +1,11 @@
 //! From the nearest surfaces to what the sonars report.
 
-use super::Commands;
 use crate::description::Sonar;
+use crate::simulator::commands::Commands;
+use crate::simulator::echo::Echo;
 use crate::simulator::model::SimulatorModel;
 use crate::simulator::place_draws::PlaceDraws;
 use crate::simulator::state::SimulatorState;
-use crate::simulator::sweep::Echo;
 use rpl_random::Stream;
 
 impl SimulatorModel {
