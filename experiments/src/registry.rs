@@ -2,7 +2,10 @@
 
 use super::any_kind::{AnyKind, Hidden};
 use super::cases::{behaviours, kinds, routes};
-use super::catalogue::*;
+use super::catalogue::{
+    CALIBRATION_ROWS, CHOICES_ROWS, DEVIATIONS_ROWS, FALSE_ALARMS_ROWS, GLOBAL_ROWS, KIDNAPPED_ROWS, OFFICE_ROWS,
+    PEOPLE_ROWS, ROTATED_ROWS, RUPART_ROWS, Row, WORLDS,
+};
 use super::conduct::chosen;
 use super::instructions::{delivery, features, markers, openings, topological};
 use super::kind::ExperimentKind;
