@@ -1,7 +1,7 @@
 //! Rectangles of the map of an arena.
 
+use super::interval::{Interval, Millimetres};
 use super::walls::{overlap, shrunk};
-use super::{Interval, Millimetres};
 use rpl_robot::geometry::Point;
 use rpl_robot::world::Rect;
 

@@ -1,6 +1,6 @@
 //! The grid: gaps with rooms and the hallways between them, along one axis.
 
-use super::{Interval, Millimetres};
+use super::interval::{Interval, Millimetres};
 use rpl_random::Stream;
 
 /// Along one axis, gap and hallway in turn, beginning and ending with a gap. All borders are the middles of

@@ -3,7 +3,7 @@
 use super::area::Area;
 use super::bands::Bands;
 use super::hallway::Hallway;
-use super::{Interval, Millimetres};
+use super::interval::{Interval, Millimetres};
 use rpl_random::Stream;
 use rpl_robot::world::Axis;
 

@@ -1,12 +1,12 @@
 //! What stands in an arena, and where the robot begins.
 
-use super::ArenaSettings;
 use super::area::Area;
 use super::bands::centimetres;
 use super::floor_plan::{Doorway, FloorPlan, Opening};
 use super::hallway::{Hallway, SideFeature};
+use super::interval::{Interval, Millimetres};
+use super::settings::ArenaSettings;
 use super::walls::{overlap, shrunk};
-use super::{Interval, Millimetres};
 use crate::feature::Feature;
 use rpl_random::Stream;
 use rpl_robot::world::Axis;

@@ -1,6 +1,6 @@
 //! A hallway, and all that is on its sides.
 
-use super::{Interval, Millimetres};
+use super::interval::{Interval, Millimetres};
 use crate::feature::{Feature, Side};
 use rpl_robot::world::Axis;
 

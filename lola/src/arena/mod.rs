@@ -19,7 +19,9 @@ mod fault;
 mod floor_plan;
 mod furniture;
 mod hallway;
+mod interval;
 mod route;
+mod settings;
 mod single_hallway;
 #[cfg(test)]
 mod tests;
@@ -29,7 +31,9 @@ mod walls;
 
 pub use fault::{Fault, FaultKind, Finding};
 pub use hallway::{Hallway, LeadsTo, SideFeature};
+pub use interval::Millimetres;
 pub use route::Standpoint;
+pub use settings::{ARENAS, ArenaSettings};
 pub use single_hallway::SingleHallway;
 
 use crate::instruction::Instruction;
@@ -40,48 +44,6 @@ use rpl_random::Stream;
 use rpl_robot::geometry::Pose;
 use rpl_robot::world::{Rect, World};
 use text::Titles;
-
-/// Lengths in an arena, in whole millimetres.
-pub type Millimetres = i64;
-
-/// From and to.
-pub(crate) type Interval = (Millimetres, Millimetres);
-
-/// What kind of arena is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ArenaSettings {
-    /// How thick walls are. A closed door stands in the middle, so that thin walls show little of it.
-    pub walls_mm: Millimetres,
-    /// Whether boxes stand in the hallways.
-    pub boxes: bool,
-    /// How many people walk about.
-    pub people: usize,
-    /// Whether a coloured marker lies on the floor before each door.
-    pub markers: bool,
-}
-
-impl ArenaSettings {
-    /// Nobody and nothing in the hallways, walls as in other worlds, no markers.
-    pub const CALM: Self = Self { walls_mm: 150, boxes: false, people: 0, markers: false };
-
-    /// The same with six people, and with boxes in the hallways.
-    pub const CROWDED: Self = Self { boxes: true, people: 6, ..Self::CALM };
-
-    /// The same as calm with a marker before each door.
-    pub const MARKED: Self = Self { markers: true, ..Self::CALM };
-
-    /// The settings of an arena that has a name among worlds.
-    pub fn named(name: &str) -> Option<Self> {
-        ARENAS.iter().find(|(known, ..)| *known == name).map(|(.., settings)| *settings)
-    }
-}
-
-/// The arenas that have names among worlds, each with what it is in a sentence.
-pub const ARENAS: [(&str, &str, ArenaSettings); 3] = [
-    ("arena", "An office to find a room in by instructions, another one for each seed.", ArenaSettings::CALM),
-    ("arena-crowded", "The same with six people, and boxes in the hallways.", ArenaSettings::CROWDED),
-    ("arena-marked", "`arena` with a coloured marker before each door, for a camera.", ArenaSettings::MARKED),
-];
 
 /// An office and how to find a room in it, with the truth about it.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Routes: from the start room into the goal room, as instructions.
 
-use super::Millimetres;
 use super::floor_plan::{Doorway, FloorPlan, Opening};
 use super::hallway::{Hallway, LeadsTo, SideFeature};
+use super::interval::Millimetres;
 use super::walls::{overlap, shrunk};
 use crate::feature::{Feature, Side};
 use crate::instruction::{Instruction, MOST_ORDINAL};

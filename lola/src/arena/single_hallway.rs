@@ -5,8 +5,9 @@ use super::blocks::Grid;
 use super::floor_plan::FloorPlan;
 use super::furniture::{Furniture, Start};
 use super::hallway::Hallway;
+use super::read;
+use super::settings::ArenaSettings;
 use super::text::{self, Titles};
-use super::{ArenaSettings, read};
 use rpl_random::Stream;
 use rpl_robot::world::World;
 

@@ -1,9 +1,9 @@
 //! An arena as the text of a world file.
 
-use super::Millimetres;
 use super::area::Area;
 use super::floor_plan::{Doorway, FloorPlan, Opening};
 use super::furniture::Furniture;
+use super::interval::Millimetres;
 use super::walls::WallLine;
 use rpl_robot::world::Axis;
 

@@ -1,7 +1,7 @@
 //! The complete topological map of an arena.
 
-use super::Millimetres;
 use super::hallway::{Hallway, LeadsTo, SideFeature};
+use super::interval::Millimetres;
 use crate::arena::Arena;
 use crate::feature::{Feature, Side};
 use crate::topological::{Direction, Node, OPPOSITE_M, TopologicalMap};

@@ -1,7 +1,7 @@
 //! Walls as lines along the axes, and intervals along them.
 
 use super::hallway::Hallway;
-use super::{Interval, Millimetres};
+use super::interval::{Interval, Millimetres};
 use crate::feature::Feature;
 use rpl_robot::world::Axis;
 use std::collections::BTreeMap;

@@ -3,11 +3,13 @@
 //! instruction or an error in feature detection").
 
 mod expectation;
+mod reading;
 mod sentence;
 mod side;
 mod spots;
 
 pub use expectation::Expectation;
+pub use reading::Reading;
 pub use spots::Look;
 
 use crate::feature::{Feature, Percept};
@@ -65,17 +67,6 @@ pub struct Judgement {
     looks: usize,
     /// Whether the opening may be where no look has come.
     is_ahead: bool,
-}
-
-/// What might have been meant by a wrong instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reading {
-    /// What should have been said.
-    pub goal: Goal,
-    /// Where that is.
-    pub at: Percept,
-    /// How likely it was meant, given that the instruction is wrong.
-    pub probability: f64,
 }
 
 // The limits were chosen by drives along hallways of arenas, there and back, calm and crowded, so that few

@@ -1,6 +1,6 @@
 //! What was seen, in words.
 
-use super::Reading;
+use super::reading::Reading;
 use super::side::{Nth, SideOfHallway};
 use super::spots::Spot;
 use crate::feature::{Feature, Side};

@@ -1,6 +1,6 @@
 //! Where the camera is turned.
 
-use super::MarkerEye;
+use super::eye::MarkerEye;
 use crate::feature::Side;
 use rpl_robot::sensors::CameraView;
 use rpl_robot::vision::PanControl;

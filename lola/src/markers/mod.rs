@@ -4,31 +4,21 @@
 //! Read in this order: `gaze` (where the camera is turned), `tracks` (which sightings are one marker).
 
 pub mod calibration;
+mod eye;
 mod gaze;
 mod tracks;
 
+pub use eye::MarkerEye;
 pub use gaze::Gaze;
 pub use tracks::SeenMarker;
 
 use gaze::GazeControl;
-use rpl_robot::description::Camera;
 use rpl_robot::geometry::Pose;
 use rpl_robot::sensors::CameraReading;
 use rpl_robot::simulator::CameraCommand;
-use rpl_robot::vision::{FloorMark, floor_sightings};
+use rpl_robot::vision::floor_sightings;
 use serde::{Deserialize, Serialize};
 use tracks::Tracks;
-
-/// What markers are looked for with.
-#[derive(Clone, Copy, Debug)]
-pub struct MarkerEye<'a> {
-    /// The camera of the robot.
-    pub camera: &'a Camera,
-    /// What a marker looks like.
-    pub mark: &'a FloorMark,
-    /// Time from percept to percept.
-    pub step_s: f64,
-}
 
 /// The markers that were seen so far, and where the camera is turned to see more.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,5 @@
 //! Its behaviours: what they are started with, and how they stop.
 
-use super::Lola;
 use super::behaviour_places::{
     DIRECTION_FOLLOW, FEATURE_DETECTION, GOAL_SEEK, MARKER_DETECTION, REGISTRATION, WALL_FOLLOW,
 };
@@ -8,6 +7,7 @@ use super::drive::Drive;
 use super::hallway::Hallway;
 use super::hallway_drive::{HallwayDrive, Until};
 use super::seeing::Seeing;
+use super::state::Lola;
 use crate::routines::DoorwayDetection;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::navigation::{DriveTask, LocalDrive, MaplessNavigation};

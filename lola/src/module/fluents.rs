@@ -1,6 +1,6 @@
 //! Its fluents.
 
-use super::Lola;
+use super::state::Lola;
 use crate::feature::{Percept, Side};
 use rpl_robot::office::{Moment, Phase, Telling, continuous, counter, fluent, fluent_number};
 use rpl_runtime::robot::FluentSpec;

@@ -1,12 +1,12 @@
 //! Its functions.
 
-use super::Lola;
 use super::counting::Counting;
 use super::data::{
     instruction_data, instruction_of, judgement_data, percept_data, percept_of, pose_data, said, side_named,
 };
 use super::hallway::Hallway;
 use super::seeing::Seeing;
+use super::state::Lola;
 use crate::feature::Feature;
 use crate::instruction::parse;
 use crate::judgement::{Expectation, Judgement};

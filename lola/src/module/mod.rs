@@ -1,70 +1,35 @@
 //! What plans see of it: the only part of this crate that knows the runtime.
 //!
 //! Read in this order: `hallway` (what the robot knows of the hallway it is in), `drive` and `hallway_drive`
-//! (what it does with the wheels), `counting` (how far it has got with an instruction); `behaviours`, `fluents`
-//! and `functions` (what plans have of all that).
+//! (what it does with the wheels), `counting` (how far it has got with an instruction), `state`; `behaviours`,
+//! `driving`, `fluents` and `functions` (what plans have of all that).
 
 mod behaviour_places;
 mod behaviours;
 mod counting;
 mod data;
 mod drive;
+mod driving;
 mod fluents;
 mod functions;
 mod hallway;
 mod hallway_drive;
 mod seeing;
 mod settings;
+mod state;
 
 pub use hallway::Hallway;
 pub use settings::LolaSettings;
-
-use crate::routines::Doorway;
-use crate::state_set::StateSet;
-use counting::Counting;
-use drive::Drive;
+pub use state::Lola;
 
 use rpl_robot::office::{Commands, Phase, TravelMode, Velocity};
 use rpl_robot::office::{
     Module, ModuleSpec, Moment, OfficeModel, PlanText, Position, Raise, Start, StopReason, Telling,
 };
 use seeing::Seeing;
-use serde::{Deserialize, Serialize};
 
 /// The plans that belong to it.
 pub const PLANS: &str = include_str!("../../plans/instructions.rpl");
-
-/// The state of following instructions. As long as no plan uses it, it does nothing and tells nothing.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Lola {
-    #[serde(skip)]
-    settings: LolaSettings,
-    /// The hallway the robot is in, since it was registered.
-    hallway: Option<Hallway>,
-    /// What it does with the wheels.
-    drive: Drive,
-    /// The doorway it came through last.
-    doorway: Option<Doorway>,
-    /// How far it has got with an instruction.
-    counting: Option<Counting>,
-    /// The markers it looks for with its camera.
-    markers: Option<Seeing>,
-    /// Whether something has changed since plans were told.
-    has_news: bool,
-}
-
-/// What an experimenter sees of it.
-impl Lola {
-    /// The hallway the robot is in, since it was begun with.
-    pub fn hallway(&self) -> Option<&Hallway> {
-        self.hallway.as_ref()
-    }
-
-    /// How far it has got with the instruction it is at.
-    pub fn state_set(&self) -> Option<&StateSet> {
-        self.counting.as_ref().map(|counting| &counting.state_set)
-    }
-}
 
 impl Module for Lola {
     type Settings = LolaSettings;
