@@ -1,7 +1,7 @@
 //! Cases: what was done in a situation, and how it went.
 
 use crate::control::BehaviourParameters;
-use crate::routes::Route;
+use crate::route::Route;
 use crate::situation::Situation;
 use rpl_robot::geometry::Point;
 use serde::{Deserialize, Serialize};

@@ -103,7 +103,8 @@ mod tests {
     use crate::control::BehaviourParameters;
     use crate::places::PlaceId;
     use crate::places::tests::places_in_a_row;
-    use crate::routes::{Route, learn_route};
+    use crate::route::Route;
+    use crate::routes::learn_route;
     use crate::similarity::{Scales, Similarity};
     use crate::situation::Situation;
 

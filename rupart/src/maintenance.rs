@@ -3,7 +3,8 @@
 use crate::case::{Case, Content, Kind};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
-use crate::routes::{Route, RouteProblem, TravelTimes};
+use crate::route::Route;
+use crate::routes::{RouteProblem, TravelTimes};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;

@@ -5,7 +5,7 @@ use crate::case::{Case, Content, Kind};
 use crate::control::BehaviourParameters;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
-use crate::routes::{Route, Stop};
+use crate::route::{Route, Stop};
 use crate::similarity::{Comparison, Scales, Similarity};
 use crate::situation::{Feature, Situation, Value};
 use rpl_lang::suggest::suggest;

@@ -4,7 +4,7 @@ use crate::control::BehaviourParameters;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
 use crate::places::tests::random_places;
-use crate::routes::{Route, Stop};
+use crate::route::{Route, Stop};
 use crate::similarity::{Scales, Similarity};
 use crate::situation::Situation;
 use rpl_random::Stream;

@@ -4,7 +4,7 @@ use super::lines::{Head, Line, LineContent, LineRoute, LineStop, VERSION};
 use crate::case::{Case, Content};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
-use crate::routes::{Route, Stop};
+use crate::route::{Route, Stop};
 use serde::Serialize;
 use serde_json::Value;
 

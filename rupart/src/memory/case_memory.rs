@@ -5,7 +5,7 @@ use super::columns::{Bounds, Least};
 use super::number::CaseNumber;
 use super::retrieval::{Best, Retrieval};
 use crate::case::{Case, Content, Kind};
-use crate::routes::Route;
+use crate::route::Route;
 use crate::similarity::Similarity;
 use crate::situation::Situation;
 

@@ -2,7 +2,7 @@ use super::columns::CHUNK;
 use super::*;
 use crate::case::{Case, Content, Goal, Kind, MetaPlan};
 use crate::control::BehaviourParameters;
-use crate::routes::Route;
+use crate::route::Route;
 use crate::similarity::{Scales, Similarity};
 use crate::situation::{Feature, Situation};
 use rpl_random::Stream;

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::memory::CaseNumber;
 use crate::places::Places;
-use crate::routes::{Route, Stop};
+use crate::route::{Route, Stop};
 use rpl_lang::symbol::fold_name;
 use rpl_robot::geometry::Point;
 use rpl_runtime::state::failure::Raise;

@@ -3,7 +3,8 @@
 use crate::control::{CaseDrive, DriveEvent, DriveGoal};
 use crate::memory::CaseNumber;
 use crate::places::Places;
-use crate::routes::{Route, Stop, Underway};
+use crate::route::{Route, Stop};
+use crate::routes::Underway;
 use rpl_robot::geometry::{Point, Pose, Velocity};
 use rpl_robot::office::Moment;
 use rpl_runtime::robot::Ending;

@@ -1,7 +1,7 @@
 //! Its fluents.
 
-use super::Rupart;
 use super::errand::Errand;
+use super::state::Rupart;
 use crate::case::Kind;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::office::{OfficeModel, Telling, fluent, fluent_number};

@@ -3,11 +3,12 @@
 use super::data::{case_data, route_data};
 use super::errand::Made;
 use super::landmarks::can_look;
-use super::{Driven, Rupart, Seen};
+use super::state::{Driven, Rupart, Seen};
 use crate::case::{Case, Content, Kind};
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
-use crate::routes::{Adapted, Guidance, RouteProblem, Stop, adapt_guided, learn_to_make};
+use crate::route::Stop;
+use crate::routes::{Adapted, Guidance, RouteProblem, adapt_guided, learn_to_make};
 use crate::situation::Situation;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::geometry::{Point, distance_m};

@@ -1,7 +1,7 @@
 //! Its functions about what to do next: goals, which wait to be gone to, and meta-plans.
 
-use super::Rupart;
 use super::functions::{numbered, place, retrieve};
+use super::state::Rupart;
 use crate::case::{Case, Content, Goal, Kind};
 use crate::forgetting::Capacity;
 use crate::memory::CaseNumber;

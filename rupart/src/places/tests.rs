@@ -1,7 +1,8 @@
 use super::sight::Sight;
 use super::*;
 use crate::control::{ARRIVAL_M, PASSING_M};
-use crate::routes::{Route, TravelTimes};
+use crate::route::Route;
+use crate::routes::TravelTimes;
 use rpl_random::Stream;
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::world::{Axis, Door, Place, Rect, Room, Wall, World};

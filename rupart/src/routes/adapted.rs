@@ -1,8 +1,8 @@
 //! What came of adapting a route, and the work it was.
 
-use super::route::Route;
 use crate::memory::CaseNumber;
 use crate::places::Way;
+use crate::route::Route;
 use serde::{Deserialize, Serialize};
 
 /// A route made from a case, and the work it was.

@@ -2,10 +2,10 @@
 
 use super::guided::{Guidance, best_use};
 use super::problem::RouteProblem;
-use super::route::Route;
 use super::travel_times::TravelTimes;
 use crate::memory::CaseNumber;
 use crate::places::Places;
+use crate::route::Route;
 
 /// A case solves the problem of another if the route it promises takes at most this much longer.
 const SOLVES: f64 = 1.1;

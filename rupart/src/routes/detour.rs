@@ -1,9 +1,9 @@
 //! The way round what blocks a route and is in no map.
 
-use super::route::{Route, Stop};
 use super::travel_times::TravelTimes;
 use super::underway::Underway;
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 use rpl_robot::geometry::{Point, Vector, distance_m};
 use rpl_robot::planning::PlannerModel;
 use serde::{Deserialize, Serialize};

@@ -3,10 +3,10 @@
 
 use super::adapted::{Adapted, Work};
 use super::problem::RouteProblem;
-use super::route::{Route, Stop};
 use super::travel_times::TravelTimes;
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 
 /// What adaptation is guided by.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Learning routes: what was driven is kept where it is new, and how long it took.
 
-use super::route::{Route, Stop};
 use crate::case::{Case, Content, Kind, MetaPlan};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::Places;
+use crate::route::{Route, Stop};
 use crate::situation::Situation;
 use rpl_robot::geometry::Point;
 

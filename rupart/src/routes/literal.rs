@@ -2,10 +2,10 @@
 
 use super::adapted::{Adapted, Work};
 use super::problem::RouteProblem;
-use super::route::{Route, Stop};
 use super::travel_times::TravelTimes;
 use crate::memory::CaseNumber;
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 
 /// The route of a case, with a new one from the start to where it begins and one from where it ends to the goal
 /// (Fox and Anderson-Sprecher, Fig. 4). Where a new one and that of the case overlap, it goes on with the case

@@ -8,12 +8,12 @@ mod guided;
 mod learning;
 mod literal;
 mod problem;
-mod route;
 #[cfg(test)]
 mod tests;
 mod travel_times;
 mod underway;
 
+pub use crate::route::{Route, Stop, Waypoint};
 pub use adapted::Adapted;
 pub use competence::{Competence, competences, reachability};
 pub use detour::{Blockage, BlockedAt, Detour};
@@ -21,6 +21,5 @@ pub use guided::{CaseUse, Guidance, adapt_guided, best_use};
 pub use learning::{learn_route, learn_times, learn_to_make};
 pub use literal::adapt_literally;
 pub use problem::RouteProblem;
-pub use route::{Route, Stop, Waypoint};
 pub use travel_times::TravelTimes;
 pub use underway::Underway;

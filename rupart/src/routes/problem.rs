@@ -1,8 +1,8 @@
 //! A route that is asked for.
 
-use super::route::{Route, Stop};
 use super::travel_times::TravelTimes;
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 
 /// From where to where a route is asked for.
 #[derive(Clone, Debug, PartialEq)]

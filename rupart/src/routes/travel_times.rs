@@ -1,7 +1,7 @@
 //! How long stretches take: as cases measured it, else as the map lets expect.
 
-use super::route::Route;
 use crate::places::{PlaceId, Places, Stretch, Way, shortest_way};
+use crate::route::Route;
 
 /// What took longer than at this pace was held up there, and tells nothing of other stretches.
 const SLOWEST_PACE: f64 = 2.0;

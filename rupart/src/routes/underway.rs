@@ -1,7 +1,7 @@
 //! A route that is being driven: which stop is next, and how long each step took.
 
-use super::route::Route;
 use crate::places::{PlaceId, Places};
+use crate::route::Route;
 use rpl_robot::geometry::Point;
 use serde::{Deserialize, Serialize};
 

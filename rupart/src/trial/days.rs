@@ -8,9 +8,9 @@ use crate::control::{BLOCKED_S, BehaviourParameters, CaseDrive, DriveEvent};
 use crate::forgetting::{Capacity, forget_beyond};
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 use crate::routes::{
-    Blockage, BlockedAt, Guidance, Route, RouteProblem, Stop, TravelTimes, Underway, adapt_guided, learn_route,
-    learn_times,
+    Blockage, BlockedAt, Guidance, RouteProblem, TravelTimes, Underway, adapt_guided, learn_route, learn_times,
 };
 use rpl_random::Stream;
 use rpl_robot::avoidance::DriveLimits;

@@ -2,7 +2,7 @@
 //! learning them. A drive is a value; a copy of it is a fork.
 
 use crate::control::{BehaviourParameters, CaseDrive, DriveEvent, DriveGoal};
-use crate::routes::Waypoint;
+use crate::route::Waypoint;
 use crate::situation::{RecentSonars, Situation};
 use rpl_robot::avoidance::DriveLimits;
 use rpl_robot::geometry::{Point, Pose, Velocity, distance_m};

@@ -4,8 +4,9 @@ use crate::case::Kind;
 use crate::forgetting::forget_beyond;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 use crate::routes::{
-    Adapted, Guidance, Route, RouteProblem, Stop, TravelTimes, adapt_guided, adapt_literally, learn_route, learn_times,
+    Adapted, Guidance, RouteProblem, TravelTimes, adapt_guided, adapt_literally, learn_route, learn_times,
 };
 use crate::similarity::{Scales, Similarity};
 use crate::situation::Situation;
