@@ -26,7 +26,7 @@ const RUNS: usize = 9;
 /// Cases that CBRkit is given: it takes seconds for more.
 const FOR_CBRKIT: usize = 10_000;
 
-/// A memory of so many behaviour cases, and situations to ask for.
+/// A memory of `count` behaviour cases, and situations to ask for.
 fn memory(ground: &KindGround, count: usize) -> (CaseMemory, Vec<Situation>) {
     let mut stream = Stream::new(1, "bench");
     let mut memory = CaseMemory::new(Similarity::new(Scales::default()));

@@ -46,7 +46,7 @@ impl Surroundings for Files {
     fn files_changed(&self) {}
 }
 
-/// A plan of so many lines: plans with variables, handlers, loops and the robot.
+/// A plan of `lines` lines: plans with variables, handlers, loops and the robot.
 fn plan(lines: usize) -> String {
     let mut text = String::new();
     let mut number = 0;

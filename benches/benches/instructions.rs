@@ -26,7 +26,7 @@ const RUNS: usize = 9;
 /// How fast the robot drives: the hallways' speed of a B21.
 const SPEED_MPS: f64 = 0.7;
 
-/// It stops so much before the hallway's end.
+/// How far before the hallway's end it stops.
 const BEFORE_END_M: f64 = 2.0;
 
 /// What the robot had of a drive along the middle of a hallway.
@@ -85,7 +85,7 @@ impl Drive {
     }
 }
 
-/// Microseconds of one of so many things that are done.
+/// Microseconds of one of `count` things that are done.
 fn each_us(count: usize, mut act: impl FnMut()) -> f64 {
     let one_run = |_| {
         let began = Instant::now();

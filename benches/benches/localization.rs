@@ -23,7 +23,7 @@ const BEAMS: f64 = 24.0;
 
 type Ranges = Vec<f32>;
 
-/// So many departments along x and y, side by side.
+/// `times` departments along x and y, side by side.
 fn departments(times: usize) -> OccupancyGrid {
     let one = department();
     let (columns, rows) = (one.columns * times, one.rows * times);
@@ -111,7 +111,7 @@ fn assert_sums_to_one(model: &LocalizationModel, belief: &Belief) {
     assert!((sum - 1.0).abs() < 1e-5, "{sum}");
 }
 
-/// Runs on so many threads.
+/// Runs on `threads` threads.
 fn on<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),

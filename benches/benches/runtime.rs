@@ -101,7 +101,7 @@ fn with_count(text: &str, count: usize) -> String {
     text.replace("COUNT", &count.to_string())
 }
 
-/// A run in which so many tasks wait for a fluent.
+/// A run in which `count` tasks wait for a fluent.
 fn with_blocked(library: &Arc<Library>, count: usize) -> System<NoRobot> {
     let mut system = settled(library, &with_count(BLOCKED, count));
     system.advance();

@@ -9,7 +9,7 @@ use std::sync::{Arc, LazyLock};
 /// Pixels of a PNG for one of the SVG: sharp on paper at its size on the screen.
 const SCALE: f32 = 2.0;
 
-/// A drawing has at most so many pixels.
+/// The most pixels of a drawing.
 const MOST_PIXELS: f64 = 64e6;
 
 /// The letters: DejaVu Sans, upright and bold, with what drawings write.

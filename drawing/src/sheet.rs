@@ -16,7 +16,7 @@ const MARGIN_PX: f64 = 18.0;
 const MOST_WIDTH_PX: f64 = 960.0;
 const MOST_HEIGHT_PX: f64 = 760.0;
 
-/// Title and legend have at least so much.
+/// The least width for title and legend.
 const LEAST_WIDTH_PX: f64 = 560.0;
 
 /// From the baseline of a line of the title to the next.

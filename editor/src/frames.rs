@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::io::{self, BufRead, Read, Write};
 
-/// Longer messages are passed over: no text that is opened has so many bytes.
+/// Longer messages are passed over: no text that is opened has this many bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
 /// Longer headers are none.
@@ -125,7 +125,7 @@ impl<R: BufRead> Frames<R> {
         }
     }
 
-    /// The next line, of so many bytes at most, which are then fewer.
+    /// The next line, of `left` bytes at most, which are then fewer.
     fn line(&mut self, left: &mut u64) -> io::Result<Line> {
         let mut line = Vec::new();
         let most = *left;

@@ -18,7 +18,7 @@ const SHEET_WIDTH: f64 = LEFT + WIDTH + 30.0;
 /// A line of the legend.
 const LEGEND_LINE: f64 = 20.0;
 
-/// A sheet with two axes from 0, below a title of so many lines.
+/// A sheet with two axes from 0, below a title of some lines.
 struct Axes {
     x_max: f64,
     y_max: f64,
@@ -58,7 +58,7 @@ impl Axes {
             .set("stroke", colour)
     }
 
-    /// The title, the axes with their ticks, what they mean, and room for so many lines of a legend.
+    /// The title, the axes with their ticks, what they mean, and room for `legend_lines` lines of a legend.
     fn sheet(&self, along: &str, up: &str, legend_lines: usize) -> Document {
         let bottom = self.top + HEIGHT;
         let height = bottom + 58.0 + LEGEND_LINE * legend_lines as f64;

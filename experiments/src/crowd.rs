@@ -28,10 +28,10 @@ use std::ops::ControlFlow::{self, Break, Continue};
 /// Where it is.
 const WORLD: &str = "hall";
 
-/// The estimate is compared with the truth so often.
+/// How often the estimate is compared with the truth.
 const LOOK_US: u64 = 100_000;
 
-/// The beams are counted at each so-manieth look.
+/// The beams are counted at one look in this many.
 const BEAMS_EVERY: usize = 10;
 
 /// That the robot was carried elsewhere must be noticed on this way.
@@ -62,7 +62,7 @@ impl Filter {
     }
 }
 
-/// So many people, and a filter.
+/// A number of people, and a filter.
 #[derive(Clone, Copy, Debug)]
 pub struct CrowdRow {
     name: &'static str,

@@ -26,7 +26,7 @@ pub(super) const WORLDS: [&str; 10] = [
     "dept-furnished",
 ];
 
-/// A door stays closed for so long.
+/// The shortest and the longest time for which a door stays closed.
 const CLOSED_S: (f64, f64) = (20.0, 80.0);
 
 /// It is closed before the robot could be at its goal at this speed.

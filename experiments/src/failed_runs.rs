@@ -4,10 +4,10 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// So many failures are told one by one.
+/// Failures that are told one by one.
 pub const TOLD: usize = 1_000;
 
-/// So many are named in the tables.
+/// Failures that are named in the tables.
 const NAMED: usize = 20;
 
 /// A run that failed.

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::ops::ControlFlow::Continue;
 
-/// A forecast is made of so many projected runs.
+/// Projected runs of which a forecast is made.
 const RUNS: u32 = 20;
 
 /// How far is projected; no delivery takes as long.

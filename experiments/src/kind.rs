@@ -64,7 +64,7 @@ pub trait ExperimentKind: Send + Sync + 'static {
     /// Something that is drawn cannot be computed.
     fn findings(&self, tallies: Vec<Self::Tally>, wants_drawings: bool) -> Result<Findings>;
 
-    /// How many runs at a time, if so many are asked for.
+    /// How many runs are made at a time, if `asked` are asked for.
     fn jobs(&self, asked: usize) -> usize {
         asked
     }

@@ -3,7 +3,7 @@
 use super::statistics::{Dispersion, Summary};
 use std::collections::BTreeMap;
 
-/// So many numbers are kept as they are; of more, quantiles are known to a bin.
+/// The most numbers that are kept as they are; of more, quantiles are known to a bin.
 pub const KEPT: usize = 100_000;
 
 /// Bits of a number that tell its bin: sign, exponent, and ten of the fraction, so that a bin is at most a thousandth
@@ -121,7 +121,7 @@ impl Numbers {
         }
     }
 
-    /// What so many of ten do not exceed; none if there are none.
+    /// The number that `tenths` of ten do not exceed; none if there are none.
     pub fn of_ten(&self, tenths: usize) -> Option<f64> {
         self.ranked(self.count() * tenths / 10)
     }

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// A signal is looked for so often.
+/// How often a signal is looked for.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Some runs of a series, by their numbers, with the seed of the first of all.
@@ -31,9 +31,9 @@ impl Seeds {
     }
 }
 
-/// Runs all of them, so many at a time, and hands the results on in their order however the threads were scheduled.
-/// Answers whether all were done: after a signal only those are handed on that had ended before it, and what still runs
-/// is left to the end of the process. Runs at the same time share out the threads that one alone would have.
+/// Runs all of them, a given number at a time, and hands the results on in their order however the threads were
+/// scheduled. Answers whether all were done: after a signal only those are handed on that had ended before it, and what
+/// still runs is left to the end of the process. Runs at the same time share out the threads that one alone would have.
 ///
 /// # Errors
 /// The first error of `take`, nothing is taken after it; threads cannot be had.
@@ -104,7 +104,7 @@ pub fn run_in_order<T: Send + 'static>(
     Ok(due == seeds.numbers.end)
 }
 
-/// The threads of one of so many runs at the same time; none if it may have all.
+/// The threads of one of `jobs` runs at the same time; none if it may have all.
 fn pool_of_one(jobs: usize) -> Result<Option<ThreadPool>> {
     if jobs == 1 {
         return Ok(None);

@@ -55,7 +55,7 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    /// So many of so many.
+    /// `count` of `of`.
     pub fn new(count: usize, of: usize) -> Self {
         let rate = (of > 0).then(|| count as f64 / of as f64);
         Self { count, of, rate, interval_95: wilson_95(count, of) }
@@ -96,7 +96,7 @@ impl Proportion {
 pub struct PerKm {
     /// How many events.
     pub count: u32,
-    /// On so many kilometres.
+    /// The way, in kilometres.
     pub km: f64,
     /// Events in a kilometre.
     pub rate: f64,
@@ -105,7 +105,7 @@ pub struct PerKm {
 }
 
 impl PerKm {
-    /// So many events on so long a way; none without a way.
+    /// `count` events on a way of `km` kilometres; none without a way.
     pub fn new(count: u32, km: f64) -> Option<Self> {
         let (low, high) = poisson_95(count);
         (km > 0.0).then(|| Self { count, km, rate: f64::from(count) / km, interval_95: (low / km, high / km) })
@@ -131,7 +131,7 @@ impl Summary {
         Some(Self { count: numbers.len(), spread, half_95: mean_95(spread.deviation, numbers.len()) })
     }
 
-    /// `12.3 ± 0.4`: the mean and half its interval, both so many times as large; one number tells nothing of how others
+    /// `12.3 ± 0.4`: the mean and half its interval, both multiplied by `scale`; one number tells nothing of how others
     /// differ, and has none.
     pub fn told(&self, scale: f64, decimals: usize) -> String {
         let Self { count, spread: Dispersion { mean, .. }, half_95 } = *self;
@@ -152,7 +152,7 @@ fn wilson_95(successes: usize, runs: usize) -> (f64, f64) {
     wilson_of_rate_95(successes as f64 / runs as f64, runs as f64)
 }
 
-/// The same of a rate that was measured with so many runs, not necessarily a whole number of them.
+/// The same of a rate that was measured with `count` runs, not necessarily a whole number of them.
 fn wilson_of_rate_95(rate: f64, count: f64) -> (f64, f64) {
     let z2 = Z_95 * Z_95;
     let centre = (rate + z2 / (2.0 * count)) / (1.0 + z2 / count);
@@ -175,15 +175,15 @@ fn independent(groups: &[(usize, usize)], count: usize, of: usize) -> f64 {
     (rate * (1.0 - rate) / variance).clamp(1.0, of)
 }
 
-/// Half the 95 % interval of a mean of so many numbers with this deviation (Student, "The probable error of a mean",
+/// Half the 95 % interval of a mean of `count` numbers with this deviation (Student, "The probable error of a mean",
 /// 1908).
 pub fn mean_95(deviation: f64, count: usize) -> f64 {
     if count < 2 { 0.0 } else { student_95(count - 1) * deviation / (count as f64).sqrt() }
 }
 
-/// The 0.975 quantile of Student's distribution with so many degrees of freedom, at least one: exactly for one and two,
-/// beyond by its expansion around the normal one (Abramowitz and Stegun 1964, 26.7.5), which is 0.1 % too small for
-/// three and less so for more.
+/// The 0.975 quantile of Student's distribution with `freedom` degrees of freedom, at least one: exactly for one and
+/// two, beyond by its expansion around the normal one (Abramowitz and Stegun 1964, 26.7.5), which is 0.1 % too small
+/// for three and less so for more.
 fn student_95(freedom: usize) -> f64 {
     let z2 = Z_95 * Z_95;
     match freedom {

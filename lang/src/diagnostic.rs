@@ -71,7 +71,7 @@ impl Diagnostic {
 /// line of a megabyte.
 const MAX_LINE_BYTES: usize = 240;
 
-/// Places further apart than so many lines are not drawn together: the drawing library looks at all lines between.
+/// Places further apart than this many lines are not drawn together: the drawing library looks at all lines between.
 const MAX_LINES_BETWEEN: usize = 1_000;
 
 /// The findings as text, in order of place, each with its line and the place marked; with `colour`,

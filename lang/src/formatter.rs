@@ -131,7 +131,7 @@ impl<'a> Formatter<'a> {
         }
     }
 
-    /// Writes a piece where the line ends now; so many closers follow it on its line.
+    /// Writes a piece where the line ends now; `closers` closers follow it on its line.
     fn piece(&mut self, node: &'a ConcreteNode, shape: ItemShape, closers: usize) {
         match node.piece {
             ConcreteKind::Atom | ConcreteKind::BlockComment => self.lines.write(self.concrete.text(node)),

@@ -7,7 +7,7 @@ use crate::source::{Sources, Span};
 /// What is written between operands elsewhere.
 const OPERATORS: &[&str] = &["<", "<=", ">", ">=", "=", "/=", "+", "-", "*", "/", "eq", "equal", "mod"];
 
-/// So much of a form is looked at, so that forms inside one another cost no more than they are long.
+/// The part of a form that is looked at, so that forms inside one another cost no more than they are long.
 const LOOKED_AT_BYTES: usize = 200;
 
 /// An operator between two operands.
@@ -33,7 +33,7 @@ pub(crate) fn is_operator(name: &str) -> bool {
     OPERATORS.contains(&name)
 }
 
-/// The first operator that stands in a form itself between two operands, behind so many items.
+/// The first operator that stands in a form itself between two operands, behind `behind_items` items.
 pub(crate) fn infix_in(sources: &Sources, form: Span, behind_items: u32) -> Option<Infix> {
     let text = sources.text_of(form);
     let (tokens, _) = lex(&text[..text.floor_char_boundary(LOOKED_AT_BYTES)], form.source);

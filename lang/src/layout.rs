@@ -11,8 +11,8 @@ pub enum Style {
     /// As `Call`, but without an author's breaks each item begins a line of its own: what runs in
     /// a row or side by side.
     Forms,
-    /// So many items belong to the head's line, and are four columns in if they do not stand
-    /// there; the body follows two columns in.
+    /// This many items belong to the head's line, and are four columns in if they do not stand there; the body follows
+    /// two columns in.
     Body(usize),
     /// Below the first item: data, bindings, clauses.
     Data,

@@ -45,7 +45,7 @@ struct Wrap {
 }
 
 enum PrintStep {
-    /// Write a node; so many closers follow it on its line.
+    /// Write a node; `closers` closers follow it on its line.
     Node { node: NodeId, closers: usize },
     /// Go on with a list at its `next` item.
     Items { list: NodeId, next: usize, wrap: Option<Wrap>, closers: usize },

@@ -198,7 +198,7 @@ pub fn with_short_words(message: String) -> String {
 /// A name, number or string of more characters than this is cut in messages.
 const LONGEST_SHOWN: usize = 60;
 
-/// So many characters are shown of each end then.
+/// Characters that are shown of each end then.
 const SHOWN_OF_LONG: usize = 24;
 
 /// No more characters are shown of what somebody else has said.

@@ -31,7 +31,7 @@ pub struct MessageLines {
 }
 
 impl MessageLines {
-    /// The lines of a socket that waits when it is read; each may take so long.
+    /// The lines of a socket that waits when it is read; each may take this time.
     pub fn new(stream: TcpStream, line: Duration) -> Self {
         Self { reading: BufReader::new(stream), line }
     }

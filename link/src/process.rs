@@ -90,8 +90,8 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts a program in a folder; a program whose name has a `/` lies below that folder. A line of it
-    /// may have so many bytes.
+    /// Starts a program in a folder; a program whose name has a `/` lies below that folder. A line of it may have
+    /// `most_line` bytes.
     ///
     /// # Errors
     /// There is no such program, or it cannot be started.

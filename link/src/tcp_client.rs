@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 /// How long a host may take to be reached and to answer the greeting, in all.
 const GREETING: Duration = Duration::from_secs(5);
 
-/// A host that says nothing for so long, and for two periods, is lost; and so is one that takes no commands.
+/// A host that says nothing for this time, and for two periods, is lost; and so is one that takes no commands.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Percepts that may be missing between two, at most: at 20 a second, more than half a day.

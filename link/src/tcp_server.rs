@@ -38,7 +38,7 @@ const GREETING: Duration = Duration::from_secs(5);
 /// More cannot stand at the door: whoever has waited longest there has to go.
 const MOST_AT_DOOR: usize = 64;
 
-/// So many are let in between two looks at the robot.
+/// Connections let in between two looks at the robot.
 const MOST_LET_IN: usize = 64;
 
 /// How often those who were refused are told of.
@@ -47,14 +47,14 @@ const REFUSALS_EVERY: Duration = Duration::from_secs(1);
 /// How often it is told that nobody can be let in, which may be true and false many times a second.
 const FULL_EVERY: Duration = Duration::from_secs(60);
 
-/// A mission that has not taken in the percepts of so long drives blindly: its commands count for nothing, and it is
-/// gone for the host once so many wait to be sent.
+/// A mission that has not taken in the percepts of this time drives blindly: its commands count for nothing, and it is
+/// gone for the host once as many wait to be sent.
 const BLIND: Duration = Duration::from_secs(2);
 
 /// The same in percepts, however fast the time of the robot goes.
 const MOST_UNSENT: usize = 600;
 
-/// A mission that gives no commands for so long has lost the robot, if nobody says how long.
+/// A mission that gives no commands for this time has lost the robot, if no other time is given.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Percepts whose commands are waited for, to tell how long they took.
@@ -81,7 +81,7 @@ pub struct Service {
     pub once: bool,
     /// The robot stands where the world says it starts; only the first mission is told.
     pub start_known: bool,
-    /// A mission that gives no commands for so long has lost the robot.
+    /// A mission that gives no commands for this time has lost the robot.
     pub patience: Duration,
     /// What missions have to know.
     pub token: Option<Token>,
@@ -97,7 +97,7 @@ impl Service {
         (GREETING.min(self.patience), LINE.min(self.patience))
     }
 
-    /// Whether a mission that has not taken in so many percepts drives blindly.
+    /// Whether a mission that has not taken in `behind` percepts drives blindly.
     fn is_blind(&self, behind: u64) -> bool {
         self.period().mul_f64(behind as f64) > BLIND.min(self.patience)
     }
@@ -135,7 +135,7 @@ pub enum Notice {
     Went(String),
     /// Somebody was refused: one clause that says why.
     Refused(String),
-    /// So many more were refused since that was last told.
+    /// How many more were refused since that was last told.
     RefusedMore(u64),
     /// The motors are off.
     Halted(Halt),

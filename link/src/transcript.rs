@@ -23,7 +23,7 @@ pub trait Live<Q, A>: Debug + Send {
 pub enum Kept {
     /// The last one: for runs that never go back.
     Last,
-    /// So many of the newest: for sessions. Going back further is refused, and says so.
+    /// This many of the newest: for sessions. Going back further is refused, and says so.
     Newest(usize),
 }
 

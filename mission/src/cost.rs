@@ -66,7 +66,7 @@ pub struct Savings {
 }
 
 impl TooLarge {
-    /// What there is to say of a world that may take so much memory; nothing if it takes no more.
+    /// What there is to say of a world that may take `allowed_gib` of memory; nothing if it takes no more.
     pub fn of(world: &World, settings: &OfficeSettings, allowed_gib: f64) -> Option<Self> {
         let cost = OfficeModel::cost(world, settings);
         if gib(cost) <= allowed_gib {

@@ -10,7 +10,7 @@ const STEPS_PER_DECADE: f64 = 3.0;
 /// What lies within this of a maximum is its share.
 const NEAR_M: f64 = 0.5;
 
-/// At most so many maxima, each of at least this share.
+/// The most maxima that are shown, each of at least this share.
 const MOST_MAXIMA: usize = 3;
 const LEAST_SHARE: f64 = 0.02;
 

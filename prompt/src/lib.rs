@@ -75,7 +75,7 @@ use std::io::{self, IsTerminal, Read};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// No stretch of a session that is repeated takes so long.
+/// No stretch of a session that is repeated takes this long.
 const LONGEST_REPEAT: Duration = Duration::from_secs(24 * 3600);
 
 /// Edge of a cell of the map that `:map` draws.

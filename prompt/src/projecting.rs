@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 
-/// So many runs, and so far.
+/// Runs that are projected, and how far.
 const RUNS: u32 = 60;
 const HORIZON_US: u64 = 3_600_000_000;
 

@@ -28,7 +28,7 @@ impl Prompt<'_> {
     }
 }
 
-/// So many bytes, in the unit in which they are a small number.
+/// A number of bytes, in the unit in which they are a small number.
 fn bytes(count: u64) -> String {
     const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
     let mut shown = count as f64;

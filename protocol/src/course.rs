@@ -15,22 +15,22 @@ use serde::{Deserialize, Serialize};
 /// Percepts in a row that say what cannot be, at most.
 const MOST_ASTRAY: u32 = 20;
 
-/// A sensor that is on and has not failed may tell nothing for so long.
+/// The longest time for which a sensor that is on and has not failed may tell nothing.
 const MOST_SILENT_US: u64 = 1_000_000;
 
-/// So many of its own periods a camera may give no image.
+/// The most of its own periods for which a camera may give no image.
 const MOST_IMAGES_MISSING: u64 = 3;
 
-/// The robot may be so much faster than its description says: it goes down a ramp, and wheels are worn.
+/// The factor by which the robot may be faster than its description says: it goes down a ramp, and wheels are worn.
 const FASTER: f64 = 1.25;
 
-/// Odometry that is told with a delay may make up for so many periods at once.
+/// The most periods for which odometry that is told with a delay may make up at once.
 const PERIODS_AT_ONCE: f64 = 4.0;
 
 /// What wheels may seem to do when they stand: of a motion in metres, and of one in radians.
 const TREMBLE: [f64; 2] = [0.01, 0.01];
 
-/// A leap of time explains no more motion than that of so long.
+/// A leap of time explains no more motion than that of this time.
 const LONGEST_GAP_US: u64 = 10_000_000;
 
 /// What was perceived so far, as far as the next percept is judged by it.

@@ -22,7 +22,7 @@ pub const PROTOCOL: u32 = 2;
 /// Bytes of a line, at most; a longer one is a fault of whoever sent it.
 pub const LONGEST_LINE: usize = 1 << 20;
 
-/// A host that hears nothing for so long stops the motors, by the clock on the wall.
+/// A host that hears nothing for this time stops the motors, by the clock on the wall.
 pub const SILENCE_US: u64 = 300_000;
 
 /// What a mission says to a host.

@@ -44,7 +44,7 @@ impl<Q, A> Conversation<Q, A> {
         Ok(answer)
     }
 
-    /// A conversation that was saved after so many turns goes on there.
+    /// A conversation that was saved after `turn` turns goes on there.
     pub fn go_on_at(&mut self, turn: u64) {
         self.turn = turn;
     }

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
-/// A run that was told to stop and ends no instant for so long is not waited for.
+/// A run that was told to stop and ends no instant for this time is not waited for.
 const PATIENCE: Duration = Duration::from_millis(1_700);
 
 /// Signals that have not been answered.

@@ -145,9 +145,8 @@ pub(crate) fn vector_items(call: &mut Call<'_, '_>, at: usize) -> Result<Vec<Val
     Ok(call.machine.heap.vectors[index].elements().to_vec())
 }
 
-/// Asks for so many more bytes before they are taken: one call can want more than a collection
-/// between two calls could notice. Asked for before anything is made or changed: the native may be
-/// called again when there is room.
+/// Asks for `bytes` more bytes before they are taken: one call can want more than a collection between two calls could
+/// notice. Asked for before anything is made or changed: the native may be called again when there is room.
 pub(crate) fn room_for(call: &Call<'_, '_>, bytes: usize) -> Result<(), Raise> {
     match call.machine.has_room(bytes) {
         true => Ok(()),
@@ -155,12 +154,12 @@ pub(crate) fn room_for(call: &Call<'_, '_>, bytes: usize) -> Result<(), Raise> {
     }
 }
 
-/// The same for a text of so many bytes, which is built and then kept.
+/// The same for a text of `bytes` bytes, which is built and then kept.
 pub(crate) fn room_for_text(call: &Call<'_, '_>, bytes: usize) -> Result<(), Raise> {
     room_for(call, bytes.saturating_mul(2))
 }
 
-/// The same for a list of so many elements, which are gathered and then linked.
+/// The same for a list of `pairs` elements, which are gathered and then linked.
 pub(crate) fn room_for_pairs(call: &Call<'_, '_>, pairs: usize) -> Result<(), Raise> {
     room_for(call, pairs.saturating_mul(PAIR + size_of::<Value>()))
 }

@@ -85,13 +85,12 @@ fn keys_of(call: &Call<'_, '_>, items: &[Value], by_pairs: bool, order: Order) -
     Keys::of(call, &items.iter().map(key).collect::<Vec<Value>>(), order.strings)
 }
 
-/// Bytes that sorting so many elements takes for a while: they, their keys, and their order.
+/// Bytes that sorting `elements` elements takes for a while: they, their keys, and their order.
 fn room_to_sort(call: &Call<'_, '_>, elements: usize) -> Result<(), Raise> {
     room_for(call, elements * 6 * size_of::<Value>())
 }
 
-/// The first so many elements in order, if the order is known and their keys are all of one kind;
-/// else `t`.
+/// The first elements in order, up to a number, if the order is known and their keys are all of one kind; else `t`.
 fn sorted(call: &mut Call<'_, '_>) -> NativeResult {
     let Some(order) = Order::of(call, call.argument(0)) else { return value(Value::True) };
     let count = natural(call, 2)?;

@@ -135,8 +135,8 @@ fn names_function(call: &mut Call<'_, '_>) -> NativeResult {
     truth(!is_macro && (is_global || is_native()))
 }
 
-/// The list in the first argument, if it fits a parameter list with so many elements and, behind a position, those
-/// keywords.
+/// The list in the first argument, if it fits a parameter list with these numbers of elements and, behind a position,
+/// those keywords.
 fn fitted(call: &mut Call<'_, '_>) -> NativeResult {
     let list = call.argument(0);
     let (least, most, positional) = (natural(call, 2)?, natural(call, 3)?, natural(call, 4)?);

@@ -98,7 +98,7 @@ struct MergeArguments {
     out: Option<PathBuf>,
 }
 
-/// So many runs are made where nothing else is said.
+/// The runs that are made where nothing else is said.
 const USUAL_RUNS: u32 = 20;
 
 /// More runs than this do not fit into a table, and more jobs than this are more than any machine has

@@ -29,7 +29,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// By so much of a file it is told what it is.
+/// Bytes at the beginning of a file that tell what it is.
 const BEGINNING_BYTES: u64 = 512;
 
 /// Shows a run that is over in a browser: from its trace, its report, its journal, or its recording; two traces or

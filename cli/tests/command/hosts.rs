@@ -182,7 +182,7 @@ fn a_second_mission_goes_on_from_where_the_robot_stands() {
     assert_eq!((&world["missions"], &world["halts"]["closed_lines"]), (&2.into(), &2.into()), "{world}");
 }
 
-/// A host that greets, says so many things, and is gone.
+/// A host that greets, says these lines, and is gone.
 pub fn says(lines: impl IntoIterator<Item: AsRef<str>, IntoIter: Send + 'static>) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("it has one").to_string();

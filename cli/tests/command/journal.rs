@@ -80,7 +80,7 @@ fn a_run_that_stood_still_goes_on_as_if_it_had_not() {
     assert!(over.errors.contains("the run is over: it succeeded"), "{}", over.errors);
 }
 
-/// Kills a command after so many lines of its output; all that it has written.
+/// Kills a command after `lines` lines of its output; all that it has written.
 fn killed_after(lines: usize, arguments: &[&str], folder: &Path) -> String {
     let mut child = rpl(arguments)
         .current_dir(folder)
@@ -315,7 +315,7 @@ fn what_is_no_journal_is_told() {
     }
 }
 
-/// Runs it with files of at most so many blocks of 512 bytes: every further write fails, as on a full disk.
+/// Runs it with files of at most `blocks` blocks of 512 bytes: every further write fails, as on a full disk.
 #[cfg(unix)]
 fn with_little_disk(blocks: u32, folder: &Path, arguments: &[&str]) -> Ended {
     let shell = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");

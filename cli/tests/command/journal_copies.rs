@@ -52,7 +52,7 @@ fn copies_of_a_journal_go_on_each_by_itself() {
         let now = text_in(&folder, &format!("{name}/output.txt"));
         assert_eq!(now.replace("new ", ""), printed, "{name}");
         assert_eq!(now.contains("new "), is_changed, "{name}");
-        // A plan's line is printed at the instant it stands for, so a copy has so many old ones as it had time.
+        // A plan's line is printed at the instant it stands for, so a copy has as many old ones as it had time for.
         let old_lines = now.lines().take_while(|line| !line.contains("new ")).count();
         assert!(!is_changed || old_lines == (6 + number) * 20 + 1, "{name}: {old_lines}");
         let trace = text_in(&folder, &format!("{name}.jsonl"));

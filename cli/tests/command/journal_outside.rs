@@ -14,7 +14,7 @@ const GO: &str = "(def-resume look (print (list 'resumed (assoc 'mail notes))))\
     (pursue (loop (print (list 'at (now))) (wait-time 0.5)) (go-to 'corner))\n\
     (print (list 'there (at-destination? 'corner)))\n";
 
-/// Starts it, and ends it by force after so many lines; those lines.
+/// Starts it, and ends it by force after `lines` lines; those lines.
 fn killed_after(lines: usize, folder: &Path, arguments: &[&str]) -> Vec<String> {
     let mut child = started(folder, arguments);
     let mut out = BufReader::new(child.stdout.take().expect("the output is piped")).lines();

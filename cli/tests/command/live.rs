@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
-/// So long is waited for an answer that comes at once.
+/// How long an answer that comes at once is waited for.
 const MOST_PATIENT: Duration = Duration::from_secs(20);
 
 /// A run with a page, as it goes on.
@@ -22,7 +22,7 @@ struct Shown {
 }
 
 impl Shown {
-    /// Of a process that may have so many files open.
+    /// Of a process that may have `files` files open.
     fn start(folder: &Path, files: u32, arguments: &[&str]) -> Self {
         let rpl = rpl(arguments);
         let mut limited = Command::new("sh");

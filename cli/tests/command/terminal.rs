@@ -8,10 +8,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// Nothing takes so long, however busy the machine is.
+/// Nothing takes this long, however busy the machine is.
 const DEADLINE: Duration = Duration::from_secs(400);
 
-/// Nothing is quiet for so long.
+/// Nothing is quiet for this long.
 const SILENCE: Duration = Duration::from_secs(60);
 
 /// Keys that have no character of their own.

@@ -123,7 +123,7 @@ fn an_arena_is_drawn_from_the_seed_and_its_file_is_the_same_building() {
     assert!(suggested.contains("did you mean `arena`?"), "{suggested}");
 }
 
-/// A map of so many cells along each side, 5 mm each, in a folder of the test's own.
+/// A map of `cells` cells along each side, 5 mm each, in a folder of the test's own.
 #[cfg(target_os = "linux")]
 fn map_of(name: &str, cells: usize, is_occupied: impl Fn(usize, usize) -> bool) -> std::path::PathBuf {
     let folder = folder(name);

@@ -7,11 +7,11 @@
 use rustix::time::ClockId;
 use std::time::{Duration, Instant};
 
-/// So much work is done without a checkpoint. A run stands where it was within a second: reading the journal and
+/// The work that is done without a checkpoint. A run stands where it was within a second: reading the journal and
 /// building the models of an office takes a third of that.
 const WORK: Duration = Duration::from_millis(700);
 
-/// What a checkpoint costs is at no time more than one part in so many of the work since the last one.
+/// What a checkpoint costs is at no time more than one part in this many of the work since the last one.
 const WORK_FOR_COST: u32 = 20;
 
 /// How often it is asked what was computed, by the clock: asking at each instant would cost more than the checkpoints.

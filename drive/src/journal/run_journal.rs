@@ -52,7 +52,7 @@ pub struct RunJournal {
     /// Of the next checkpoint.
     number: u64,
     cadence: Cadence,
-    /// New definitions; so many have taken effect.
+    /// New definitions, and how many have taken effect.
     changes: Vec<Change>,
     changes_taken: usize,
     /// The checkpoint that is being written.
@@ -329,7 +329,7 @@ impl RunJournal {
         })
     }
 
-    /// New definitions that the run has been given, of which so many had taken effect where it goes on.
+    /// New definitions that the run has been given, of which `taken` had taken effect where it goes on.
     pub fn with_changes(mut self, changes: Vec<Change>, taken: usize) -> Self {
         (self.changes, self.changes_taken) = (changes, taken);
         self

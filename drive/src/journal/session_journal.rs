@@ -85,7 +85,7 @@ impl PastSession {
         Ok(past)
     }
 
-    /// What can be loaded when so many lines have been typed, the newest first.
+    /// What can be loaded when `lines` lines have been typed, the newest first.
     pub fn loads_at(&self, lines: usize) -> Vec<KeptLoad> {
         let known = self.loads.iter().rev().filter(|(typed, _)| *typed <= lines);
         known.map(|(_, load)| load.clone()).collect()

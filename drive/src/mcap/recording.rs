@@ -16,13 +16,13 @@ use serde_json::json;
 use std::fs::File;
 use std::sync::Arc;
 
-/// What the sensors found is written so often.
+/// How often the findings of the sensors are written.
 const SENSED_EVERY_US: u64 = 200_000;
 
-/// The estimate so often: to ask the filter for it costs more than a step.
+/// How often the estimate is written: to ask the filter for it costs more than a step.
 const ESTIMATE_EVERY_US: u64 = 1_000_000;
 
-/// The belief and how far it is spread so often: they are large, and cost some milliseconds.
+/// How often the belief and its spread are written: they are large, and cost some milliseconds.
 const BELIEF_EVERY_US: u64 = 5_000_000;
 
 /// The likely poses have this share of the belief together.

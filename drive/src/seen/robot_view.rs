@@ -1,7 +1,7 @@
 //! The robot in the words of the page: how often it is looked at, and what of it has changed.
 //!
-//! What takes much room is shown as often as room comes in, so much for each second of the plan, and some in advance: a robot
-//! that is lost for a while is seen well, and one that is lost for hours does not fill its report.
+//! What takes much room is shown as often as room comes in, some for each second of the plan, and more in advance: a
+//! robot that is lost for a while is seen well, and one that is lost for hours does not fill its report.
 
 use super::head::sectors;
 use super::measures::{mm, mrad, pose, spot};
@@ -19,7 +19,7 @@ const BELIEF_EVERY_US: u64 = 1_000_000;
 /// Remembered obstacles are drawn on a grid of this.
 const OBSTACLE_CM: i32 = 10;
 
-/// A belief and the obstacles take at most so many bytes for each second, and so many in advance.
+/// The most bytes that a belief and the obstacles take for each second, and in advance.
 const BELIEF_ROOM: Room = Room { bytes_per_s: 250, most_bytes: 400_000, left_bytes: 400_000, at_us: 0 };
 const OBSTACLE_ROOM: Room = Room { bytes_per_s: 120, most_bytes: 20_000, left_bytes: 20_000, at_us: 0 };
 

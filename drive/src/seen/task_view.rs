@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Values longer than this are cut.
 const LONGEST_VALUE: usize = 400;
 
-/// So many ended tasks are remembered, for failures that are told after them.
+/// Ended tasks that are remembered, for failures that are told after them.
 const MOST_PAST: usize = 2_000;
 
 /// The tasks and valves of a run, as far as the page has been told of them.

@@ -21,7 +21,7 @@ enum Ink {
     Belief(u8),
 }
 
-/// The map with robot and belief, at most so many characters wide and high. None without a robot.
+/// The map with robot and belief, at most `width` by `height` characters. None without a robot.
 pub fn map(map: &OccupancyGrid, robot: &Robot, width: usize, height: usize, colour: bool) -> Option<Vec<String>> {
     let (sight, belief) = (robot.sight()?, robot.belief()?);
     let size = (map.columns as f64 * map.resolution_m, map.rows as f64 * map.resolution_m);
@@ -161,7 +161,7 @@ mod tests {
     use rpl_robot::description::RobotDescription;
     use rpl_shell::files::world_files;
 
-    /// What the map of a world looks like in so many characters.
+    /// What the map of a world looks like in `width` by `height` characters.
     fn drawn(world: &str, width: usize, height: usize) -> Vec<String> {
         let world = world_files::for_all_seeds(world, &RobotDescription::papers()).expect("there is such a world");
         let map = world.map(0.1);

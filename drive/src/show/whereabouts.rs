@@ -8,8 +8,7 @@ use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::slab::NONE;
 use rpl_runtime::state::task::State;
 
-/// Time, what the robot does, how sure it is of its place, and where in the plan it is, in so many
-/// columns if possible.
+/// Time, what the robot does, how sure it is of its place, and where in the plan it is, in `room` columns if possible.
 pub fn whereabouts(machine: &Machine, robot: &Robot, sight: Option<Sight>, room: usize) -> String {
     let active = machine.activations.iter().zip(&robot.tables().behaviours);
     // Position tracking never rests; what drives says more.
@@ -32,7 +31,7 @@ pub fn whereabouts(machine: &Machine, robot: &Robot, sight: Option<Sight>, room:
 /// What stands between the parts of the status line.
 const GAP: &str = "  ";
 
-/// The end of a path, which says most about where the plan is, in so many characters if possible.
+/// The end of a path, which says most about where the plan is, in `longest` characters if possible.
 pub fn path_end(path: &str, longest: usize) -> String {
     const LEFT_OUT: &str = "…/";
     if path.chars().count() <= longest {

@@ -8,7 +8,7 @@ use lsp_types::TextDocumentContentChangeEvent;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::rc::Rc;
 
-/// Of so many texts what was found is kept, those that were looked at last: it has all names that a text can use.
+/// Texts of which the analyses are kept, those that were looked at last: an analysis has all names that a text can use.
 const MOST_ANALYSES: usize = 64;
 
 /// The open texts.

@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// A longer text is looked at when nothing has come for so long.
+/// A longer text is looked at when nothing has come for this time.
 const PAUSE: Duration = Duration::from_millis(300);
 
 /// Messages that are read ahead.

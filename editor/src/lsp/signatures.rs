@@ -72,7 +72,7 @@ fn parts(signature: &str) -> Vec<Range<usize>> {
     behind_head.filter(|part| !signature[part.clone()].starts_with('&')).collect()
 }
 
-/// The part that comes after so many have been given, the last of which may be a keyword.
+/// The part that comes after `given` have been given, the last of which may be a keyword.
 fn active(signature: &str, parts: &[Range<usize>], given: usize, keyword: Option<&str>) -> Option<usize> {
     let word = |part: &Range<usize>| signature[part.clone()].trim_matches(|c: char| "()[].".contains(c));
     if let Some(keyword) = keyword {

@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// A text of up to so many bytes is looked at after each change; reading 2,500 lines takes some 20 ms.
+/// A text of up to this many bytes is looked at after each change; reading 2,500 lines takes some 20 ms.
 const SHORT_BYTES: usize = 100_000;
 
 /// Whether a text is long, and the number of its last change.
@@ -19,7 +19,7 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// A text of so many bytes waits from now on.
+    /// A text of `bytes` bytes waits from now on.
     pub(super) fn add(&mut self, uri: &str, bytes: usize) {
         self.remove(uri);
         self.changes += 1;

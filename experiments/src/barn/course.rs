@@ -8,7 +8,7 @@ use rpl_robot::world::{Object, SeenBy, Shape, World};
 /// As many as in the paper's data set: 25 of each of twelve kinds.
 pub const COURSES: u64 = 300;
 
-/// A field is so many cells long and wide.
+/// Cells along the length and the width of a field.
 const CELLS: usize = 30;
 /// Edge of a cell, and the diameter of a post.
 const CELL_M: f64 = 0.15;
@@ -16,7 +16,7 @@ const CELL_M: f64 = 0.15;
 const RUN_M: f64 = 3.75;
 /// From the ends of the lane to start and goal.
 const END_M: f64 = 1.0;
-/// The shortest way is found on cells so long.
+/// The edge of the cells on which the shortest way is found.
 const FLOOR_CELL_M: f64 = 0.05;
 
 /// A course, its goal, and the length of the shortest way to it.

@@ -16,7 +16,7 @@ const FAR_M: f64 = 3.0;
 /// Where it may be put down: of some spots one that is far and free.
 const SPOTS: usize = 16;
 
-/// A door stays closed for so long.
+/// The shortest and the longest time for which a door stays closed.
 const CLOSED_S: (f64, f64) = (20.0, 80.0);
 
 /// A way leads through a door if it passes its middle so near.

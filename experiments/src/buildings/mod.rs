@@ -37,7 +37,7 @@ const ERRAND: &str = "experiments/three-places.rpl";
 /// A run that takes longer, in the plan's time, has not arrived.
 const MOST_US: u64 = 1_800_000_000;
 
-/// Wheels that slip err so many times as much as the description of the robot says.
+/// The factor by which wheels that slip err more than the description of the robot says.
 const SLIP: f64 = 10.0;
 
 /// Drives in buildings, series by series.

@@ -13,7 +13,7 @@ use rpl_runtime::state::output::Channel;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow::{self, Continue};
 
-/// The estimate is compared with the truth so often.
+/// How often the estimate is compared with the truth.
 const LOOK_US: u64 = 100_000;
 
 /// That the robot was turned or carried must be noticed on this way.

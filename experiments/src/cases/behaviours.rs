@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Drives a memory is trained on.
 const TRAINED_ON: u32 = 30;
 
-/// Of so many drives the retrievals of one are judged, which takes fifty times as long as the drive.
+/// Of this many drives the retrievals of one are judged, which takes fifty times as long as the drive.
 const JUDGED_EVERY: u64 = 4;
 
 /// A row: what the robot drives by.

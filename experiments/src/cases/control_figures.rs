@@ -22,7 +22,7 @@ const BAND_PX: f64 = 26.0;
 const BANDS_PX: f64 = 44.0;
 const TOP_PX: f64 = 56.0;
 
-/// Ticks of the time are one of these apart, so that there are no more than so many.
+/// Ticks of the time are one of these apart, so that there are no more than this many.
 const TICKS_S: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 60.0, 120.0, 300.0];
 const MOST_TICKS: f64 = 10.0;
 
@@ -30,7 +30,7 @@ const MOST_TICKS: f64 = 10.0;
 const MIDDLE_PX: (f64, f64) = (480.0, 330.0);
 const AXES_PX: (f64, f64) = (350.0, 215.0);
 
-/// A state is so large, and an edge bows so much beside the straight line.
+/// The size of a state, and how much an edge bows beside the straight line.
 const STATE_PX: (f64, f64) = (78.0, 34.0);
 const BOW: f64 = 0.13;
 

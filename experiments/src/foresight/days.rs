@@ -10,11 +10,11 @@ pub(super) struct DayKind {
     pub name: &'static str,
     /// How long after it came an order is due: at least, at most, in seconds.
     due_s: [f64; 2],
-    /// So many orders come together.
+    /// How many orders come together.
     burst: usize,
     /// The charge at the start.
     battery: f64,
-    /// So many rooms close at some time.
+    /// How many rooms close at some time.
     closings: usize,
     /// How often a thing is not where it should be.
     missing: f64,
@@ -58,7 +58,7 @@ const PLACES: [&str; 6] = ["east-end", "mail-slots", "a-desk", "c-centre", "d-ce
 const ROOMS: [&str; 4] = ["a-desk", "c-centre", "d-centre", "wolframs-shelf"];
 const BEFORE_CLOSING_S: f64 = 240.0;
 
-/// Orders come for so long, so many in an hour.
+/// How long orders come, and the fewest and the most of them in an hour.
 const DAY_S: f64 = 2400.0;
 const ORDERS_AN_HOUR: [f64; 2] = [30.0, 55.0];
 
@@ -91,7 +91,7 @@ fn microseconds(seconds: f64) -> u64 {
     (seconds * 1e6).round() as u64
 }
 
-/// So many rooms, each with when it closes, in seconds.
+/// `count` rooms, each with when it closes, in seconds.
 fn drawn_closings(count: usize, stream: &mut Stream) -> Vec<(&'static str, f64)> {
     let mut left = ROOMS.to_vec();
     let mut drawn = |_| (left.swap_remove(stream.index(left.len())), stream.uniform_in(0.3, 0.9) * DAY_S);

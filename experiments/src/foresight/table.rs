@@ -84,7 +84,7 @@ impl Failure<'_> {
     }
 }
 
-/// So many of these are told below the table.
+/// How many of these are told below the table.
 const MOST_FAILURES: usize = 10;
 
 fn failures<'a>(kinds: &'a [String], tallies: &'a [Vec<ForesightDay>]) -> Vec<Failure<'a>> {

@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 /// To the hallway's end, perceiving what is beside it.
 const PLAN: &str = "(with-valve wheels (run-behaviour registration)) (go-hallway-end)";
 
-/// The axis is looked at so often on the way.
+/// Way between two looks at the axis.
 const BETWEEN_LOOKS_M: f64 = 0.25;
 
 /// A robot that is so far behind where it was has begun with another hallway: it backs up less.

@@ -220,7 +220,7 @@ const ASKED: &str = "asked";
 /// Nobody answers more often than this.
 const MOST_ANSWERS: usize = 3;
 
-/// Where the robot is drawn, so often.
+/// Time between two points at which the robot is drawn.
 const BETWEEN_POINTS_US: u64 = 500_000;
 
 /// Follows the list of a seed. Answers where the robot was, too, twice a second.

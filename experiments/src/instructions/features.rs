@@ -159,7 +159,7 @@ pub struct AxisOff {
     pub within_2_deg: f64,
 }
 
-/// Registration is to be right by so much (lola.md).
+/// Registration is to be right to within this (lola.md).
 const RIGHT_AXIS_DEG: f64 = 2.0;
 
 impl AxisOff {

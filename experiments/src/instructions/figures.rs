@@ -126,7 +126,7 @@ fn legend_of_features(mut document: Document, bottom_px: f64) -> Document {
     document
 }
 
-/// So much of the way beyond the arrival is drawn.
+/// How much of the way beyond the arrival is drawn.
 const BEYOND_M: f64 = 4.0;
 
 /// The opening that is asked for in the drawing of a state set, at the most.
@@ -258,7 +258,7 @@ fn sheet(along_m: f64, height_px: f64, legend_px: f64, title: &str) -> Document 
     document
 }
 
-/// The legend needs so much.
+/// The least width for the legend.
 const LEAST_WIDTH_PX: f64 = 600.0;
 
 fn x(along_m: f64) -> f64 {

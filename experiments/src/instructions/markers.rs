@@ -28,7 +28,7 @@ pub struct MarkerRow {
     pub name: &'static str,
     arena: ArenaSettings,
     colour: MarkerColour,
-    /// Where the colours were measured: as they are shipped, or in so many places of another seed.
+    /// Where the colours were measured: as they are shipped, or in a number of places of another seed.
     places: Option<u64>,
 }
 
@@ -51,7 +51,7 @@ pub static ROWS: [MarkerRow; 6] = [
 /// The robot drives so fast.
 const SPEED_MPS: f64 = 0.5;
 
-/// So long at the most.
+/// The longest time for which it drives.
 const LONGEST_S: f64 = 120.0;
 
 /// A marker counts as found that is taken to be so near to where it is.

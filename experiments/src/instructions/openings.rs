@@ -1,4 +1,4 @@
-//! `count-openings`: whether the so-manieth opening is chosen, by several rules and the same percepts.
+//! `count-openings`: whether the nth opening is chosen, by several rules and the same percepts.
 
 use super::course::{Course, drive};
 use super::features::failed_drives;
@@ -157,7 +157,7 @@ impl ExperimentKind for CountOpenings {
     }
 }
 
-/// The so-manieth opening of a hallway's side that was asked for, and what came of it.
+/// The nth opening of a hallway's side that was asked for, and what came of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
     /// From where on openings are counted, along the hallway.

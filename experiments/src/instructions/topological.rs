@@ -32,10 +32,10 @@ pub static ROWS: [MapRow; 3] = [
     MapRow { name: "DERVISH's matrix", truth: Matrix::SONAR, believed: Matrix::DERVISH },
 ];
 
-/// So many percepts are looked at.
+/// Percepts that are looked at.
 const PERCEPTS: usize = 12;
 
-/// After so many the robot should know where it is (lola.md).
+/// After this many the robot should know where it is (lola.md).
 const KNOWN_AFTER: usize = 8;
 
 /// From this certainty on it is sure.
@@ -144,7 +144,7 @@ impl MapResult {
     }
 }
 
-/// A line for each row: how often the likeliest state is right after so many percepts.
+/// A line for each row: how often the likeliest state is right after some numbers of percepts.
 pub fn blocks(rows: &[MapResult]) -> Vec<Block> {
     let shown = [1, 2, 3, 4, 6, KNOWN_AFTER, PERCEPTS];
     let counts = shown.map(|percepts| format!("after {percepts}"));

@@ -37,7 +37,7 @@ pub struct Identity {
     pub maps: Option<PathBuf>,
     /// `--cases`
     pub cases: Option<PathBuf>,
-    /// How many shards there are, if all runs here are of shards of so many.
+    /// How many shards there are, if all runs here are of shards of that many.
     pub shards: Option<u32>,
 }
 

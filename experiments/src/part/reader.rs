@@ -84,7 +84,7 @@ impl Part {
         self.end.done.len()
     }
 
-    /// Reads the next so many runs of a series, each with the bytes of its line.
+    /// Reads the next `count` runs of a series, each with the bytes of its line.
     ///
     /// # Errors
     /// The file is not any more what it was, or a record is none of this experiment.

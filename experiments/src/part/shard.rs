@@ -20,13 +20,13 @@ impl Shard {
     /// The only one.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// The numbers of its runs, of so many.
+    /// The numbers of its runs, of `runs` runs.
     pub fn runs(self, runs: u32) -> Range<u64> {
         let begins = |shard: u32| u64::from(shard) * u64::from(runs) / u64::from(self.of);
         begins(self.number - 1)..begins(self.number)
     }
 
-    /// The one, of so many, that has a run of so many.
+    /// The one, of `of` shards, that has a run of `runs`.
     pub fn with(run: u64, runs: u32, of: u32) -> Self {
         // The last shard that begins at this run or before: ⌊n · runs / of⌋ ≤ run.
         let before = ((run + 1) * u64::from(of) - 1) / u64::from(runs.max(1));

@@ -18,7 +18,7 @@ pub(super) const KINDS: [(&str, &str); 6] = [
     ("impatient", "(deliver 'letter '~0 '~1 :patience 10)"),
 ];
 
-/// A deadline is so many times as late as the end of the mission if nothing comes between.
+/// How many times as late as the end of the mission a deadline is if nothing comes between.
 const DEADLINES: [f64; 2] = [1.02, 1.5];
 
 /// What comes between where nothing is drawn to come between more often.
@@ -29,7 +29,7 @@ const USUAL: Chances =
 pub(super) const NOTHING_BETWEEN: Chances =
     Chances { grasp_misses: 0.0, release_fails: 0.0, thing_missing: 0.0, door_closed: 0.0, held_up: 0.0 };
 
-/// At most so many kinds of things come between more often.
+/// The most kinds of things that come between more often.
 pub(super) const MOST_CONTINGENCIES: usize = 3;
 
 /// A world as it is drawn: what comes between, and how many kinds of that more often than usual.

@@ -26,10 +26,10 @@ use std::ops::ControlFlow::Continue;
 /// The world of the missions.
 const WORLD: &str = "dept";
 
-/// A forecast is made of so many projected runs.
+/// Projected runs of which a forecast is made.
 const RUNS: u32 = 100;
 
-/// The robot has learned from so many missions.
+/// Missions from which the robot has learned.
 const LESSONS: usize = 100;
 
 /// How far is projected; no mission takes as long.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// What a comment begins with that takes warnings away.
 const ALLOWANCE: &str = "; check: allow ";
 
-/// So many words it has; rules follow.
+/// The words that it has; rules follow.
 const ALLOWANCE_WORDS: usize = 3;
 
 /// The span if it stands in one line, else its head: `(loop`.

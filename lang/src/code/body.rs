@@ -70,7 +70,7 @@ pub struct Code {
     pub parameters: Parameters,
     /// The frame's size, parameters and captured values included.
     pub registers: u8,
-    /// A call with so many arguments needs nothing checked or arranged; [`ARRANGES`](super::ARRANGES) if none does.
+    /// A call with this many arguments needs nothing checked or arranged; [`ARRANGES`](super::ARRANGES) if none does.
     pub exact_count: u16,
     /// The same for a call by name, in which a slot is read or assigned at once, without a frame.
     pub framed_count: u16,

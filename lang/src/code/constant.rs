@@ -33,14 +33,14 @@ pub enum Atom {
 pub enum Part {
     /// An element.
     Atom(Atom),
-    /// The list of so many elements before it.
+    /// The list of the `length` elements before it.
     List {
         /// How many, the tail not included.
         length: u32,
         /// Whether one more, the last, is the tail after the dot.
         dotted: bool,
     },
-    /// The vector of so many elements before it.
+    /// The vector of the `length` elements before it.
     Vector {
         /// How many.
         length: u32,

@@ -38,7 +38,7 @@ pub enum Successes {
     /// That of the last child, for which being evaporated counts as well. Those before it are its
     /// policies.
     Last,
-    /// So many.
+    /// This many.
     Count(u32),
 }
 
@@ -47,7 +47,7 @@ pub enum Successes {
 pub enum Failures {
     /// Those of all children, together.
     All,
-    /// So many.
+    /// This many.
     Count(u32),
     /// However many, none: a failure is the value of its child.
     Settled,

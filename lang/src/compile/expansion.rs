@@ -29,17 +29,17 @@ impl Expansion {
         Self::of_datum(PARTS_OF_A_TEXT)
     }
 
-    /// What a datum may make: so many parts.
+    /// What a datum may make: this many parts.
     pub(super) fn of_datum(parts: usize) -> Self {
         Self { most: parts, ..Self::default() }
     }
 
-    /// So many parts were read.
+    /// This many parts were read.
     pub(super) fn has_read(&mut self, parts: usize) {
         self.most += parts * PARTS_FOR_A_PART;
     }
 
-    /// So many parts were read that had been read before. Whether they may be.
+    /// This many parts were read that had been read before. Whether they may be.
     pub(super) fn has_read_again(&mut self, parts: usize) -> bool {
         self.made += parts;
         self.made <= self.most

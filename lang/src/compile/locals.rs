@@ -39,7 +39,7 @@ impl Locals {
         self.bound.len()
     }
 
-    /// Leaves so many bound.
+    /// Leaves `count` bound.
     pub(super) fn leave(&mut self, count: usize) {
         for local in self.bound.drain(count..) {
             if let Some(variables) = self.by_name.get_mut(&self.made[local as usize].0) {

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 const PREFIX: &str = "inputs-";
 
-/// So much of what no checkpoint needs any more is kept, that a run can be repeated from its start: about an hour
-/// of a robot with sonars.
+/// The most old bytes, needed by no checkpoint any more, that are kept so that a run can be repeated from its start:
+/// about an hour of a robot with sonars.
 const MOST_OLD_BYTES: u64 = 32 << 20;
 
 /// The first byte of a frame says what it is.

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
-/// So much is kept in memory before it is written, unless somebody wants it written.
+/// Bytes that are kept in memory before they are written, unless somebody wants them written.
 const BUFFER_BYTES: usize = 64 << 10;
 
-/// So much is kept in memory while the disk does not take it; then the ledger gives up.
+/// The most bytes kept in memory while the disk does not take them; then the ledger gives up.
 const MOST_UNWRITTEN: usize = 32 << 20;
 
 /// A place in a ledger, and what stands before it.

@@ -1,4 +1,4 @@
-//! Who is connected. There is room for so many; when it is taken, somebody who has shown nothing gives way to the next.
+//! Who is connected. There is limited room; when it is taken, somebody who has shown nothing gives way to the next.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ pub struct Connections {
 }
 
 impl Connections {
-    /// Room for so many.
+    /// Room for `most` connections.
     pub fn new(most: usize) -> Self {
         Self { most, next: 0, open: BTreeMap::new(), taken: 0 }
     }
@@ -92,7 +92,7 @@ mod tests {
     use std::future::pending;
     use tokio::runtime::Builder;
 
-    /// All that come, each from an address, where there is so much room; and who is there then, by number.
+    /// All that come, each from an address, where there is room for `most`; and who is there then, by number.
     fn left(most: usize, from: impl IntoIterator<Item = &'static str>, looking: &[u64]) -> Vec<u64> {
         let runtime = Builder::new_current_thread().build().expect("it can be made");
         let mut connections = Connections::new(most);

@@ -18,19 +18,19 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use std::time::Duration;
 use tokio::time::{Instant, sleep, timeout};
 
-/// A request for lines is answered after so long, whether there are any or not.
+/// A request for lines is answered after this time, whether there are any or not.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A page that was answered gets the next answer no sooner: what one screen can show.
 const BETWEEN: Duration = Duration::from_millis(30);
 
-/// At least so much of a series is in one answer, if there is as much.
+/// The least of a series that is in one answer, if there is as much.
 const LONG_ANSWER: usize = 1 << 20;
 
 /// Nothing longer is asked for.
 const LONGEST_QUESTION: usize = 4096;
 
-/// So much of what the run has told is taken in before somebody is answered.
+/// The most of a run's news that is taken in before somebody is answered.
 const MOST_NEWS: usize = 10_000;
 
 /// A run as far as the page knows of it.

@@ -6,7 +6,7 @@ use std::time::Duration;
 /// More connections are never served at a time.
 const MOST_CONNECTIONS: u64 = 64;
 
-/// So many files can always be opened by the run, or a quarter of what the process may have open, if that is less.
+/// Files that can always be opened by the run, or a quarter of those that the process may have open, if that is less.
 const FILES_OF_RUN: u64 = 64;
 
 /// What is served, and how long it is waited for.
@@ -18,11 +18,11 @@ pub struct Limits {
     pub files: u64,
     /// The lowest number of a file that is left to the run. New files get the lowest number that is free.
     pub first_of_run: u64,
-    /// The head of a request is there so long after the answer to the one before, or after the connection was made.
+    /// The head of a request is there this long after the answer to the one before, or after the connection was made.
     pub head: Duration,
-    /// What is asked for is there so long after the head.
+    /// The question is there this long after the head.
     pub question: Duration,
-    /// A connection is used for new requests for so long.
+    /// A connection is used for new requests for this time.
     pub requests: Duration,
     /// The last answer of a connection is taken within this time.
     pub last_answer: Duration,
@@ -35,7 +35,7 @@ impl Limits {
         Self::within(files)
     }
 
-    /// Those of a process that may have so many files open.
+    /// Those of a process that may have `files` files open.
     pub fn within(files: u64) -> Self {
         let quarter = files / 4;
         Self {

@@ -2,7 +2,7 @@
 
 use hyper::body::Bytes;
 
-/// A block is closed at the first end of a line behind so many bytes.
+/// A block is closed at the first end of a line behind this many bytes.
 const BLOCK_BYTES: usize = 16 << 10;
 
 /// A block of whole lines.
@@ -38,8 +38,8 @@ impl Lines {
         self.bytes
     }
 
-    /// The lines from a byte on, as far as the end of the block with which they are at least so long; and where that is.
-    /// Cost: what they have in blocks, and a copy of what is in none yet.
+    /// The lines from a byte on, as far as the end of the block with which they have at least `long` bytes; and where
+    /// that is. Cost: what they have in blocks, and a copy of what is in none yet.
     pub fn from(&self, from: usize, long: usize) -> (Vec<Bytes>, usize) {
         let mut next = from.min(self.bytes);
         let end = next.saturating_add(long);

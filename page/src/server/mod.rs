@@ -59,10 +59,10 @@ const SEND_BUFFER: u32 = 256 << 10;
 /// Connections that the system has made and that were not let in yet.
 const MOST_UNMET: u32 = 128;
 
-/// What a run has told is taken in so often, also when nobody looks.
+/// How often the news of a run is taken in, also when nobody looks.
 const CATCH_UP: Duration = Duration::from_millis(100);
 
-/// After the system has let nobody in, it is asked again so much later.
+/// After the system has let nobody in, it is asked again this much later.
 const RECOVERY: Duration = Duration::from_millis(100);
 
 /// More that was asked for does not wait for the run.

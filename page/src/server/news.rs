@@ -21,7 +21,7 @@ pub enum Asked {
     Pause,
     /// Go on.
     Go,
-    /// Keep pace with the clock, so many times as fast; none is as fast as possible.
+    /// Keep pace with the clock, this many times as fast; none is as fast as possible.
     Pace(Option<f64>),
     /// Go to the next form, in whatever task.
     Step,

@@ -6,7 +6,7 @@ use crate::series::{Head, Seen, Series, SeriesWriter};
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream as Line};
 
-/// So long is waited for what comes at once, on whatever machine.
+/// How long an answer that comes at once is waited for, on whatever machine.
 const MOST_PATIENT: Duration = Duration::from_secs(20);
 
 const LOOKING: Access = Access { token: None, control: false };

@@ -40,7 +40,7 @@ pub struct ActionField {
     pub payoff: Vec<f32>,
 }
 
-/// So many targets are looked at side by side; then it is seen whether a better one may be left.
+/// How many targets are looked at side by side; then it is seen whether a better one may be left.
 const AT_A_TIME: usize = 64;
 
 /// Chooses a target, argmin of E_a\[H\] + α v(a); none if there is no maximum or no way anywhere.

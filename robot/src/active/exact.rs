@@ -52,7 +52,7 @@ pub fn choose_exactly(
     Some(ExactChoice { choice, payoff, field, payoff_of_other })
 }
 
-/// At most so many, evenly by mass: each stands for an equal share.
+/// At most `count` of them, evenly by mass: each stands for an equal share.
 fn thinned(states: Vec<Maximum>, count: usize) -> Vec<Maximum> {
     if states.len() <= count {
         return states;

@@ -60,11 +60,11 @@ pub struct ActiveParameters {
     /// Beetz et al. (§3.2) wait for the same 0.8. But a certainty of 0.8 is wrong once in five times,
     /// and of two mirror poses one easily has that much; at 0.9 for a while wrong recoveries are rare.
     pub found_certainty: f64,
-    /// ... at so many updates in a row.
+    /// ... at this number of updates in a row.
     pub confirmations: u32,
     /// A target is reached within this distance.
     pub arrival_m: f64,
-    /// The choice is made anew when so much mass lies at maxima that were not there.
+    /// The choice is made anew when this much mass lies at maxima that were not there.
     pub changed_mass: f64,
     /// Updates between two looks at the maxima.
     pub look_every: u32,

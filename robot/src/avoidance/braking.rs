@@ -8,7 +8,7 @@ use crate::geometry::{Point, Velocity};
 /// heard from elsewhere, and may be in no cone any more that could correct it.
 const AIR_M: f64 = 0.03;
 
-/// The wanted speed is tried in so many shares of it.
+/// The number of equal steps in which the wanted speed is lowered.
 const SHARES: u32 = 6;
 
 /// The nearest thing to what is wanted from which the robot can stop short of everything known: as fast as

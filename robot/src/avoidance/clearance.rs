@@ -39,7 +39,7 @@ impl Obstacle {
         Self::with_air(in_base, limits.hard_radius_m(), GLANCING_M)
     }
 
-    /// One to which so much air is kept, and to which nothing brings the robot nearer where there is less.
+    /// One that is kept off by this much air; where there is less, nothing brings the robot nearer to it.
     pub fn kept_off(limits: &DriveLimits, in_base: Point, air_m: f64) -> Self {
         const ROUNDING_M: f64 = 1e-6;
         Self::with_air(in_base, limits.robot_radius_m + air_m, ROUNDING_M)

@@ -47,33 +47,33 @@ struct Escape {
     left_s: f64,
 }
 
-/// Held up for so long, the robot looks for another way out.
+/// Held up for this time, the robot looks for another way out.
 const PATIENCE_S: f64 = 1.0;
-/// After so long without driving freely it is stuck.
+/// After this time without driving freely it is stuck.
 const STUCK_S: f64 = 8.0;
 /// Slower than this it hardly moves, unless it is there: so near to where it is to stand.
 const CRAWLING_MPS: f64 = 0.04;
 const THERE_M: f64 = 0.1;
 /// What turning in place counts for against driving that does not get on.
 const TURNING_WEIGHT: f64 = 0.2;
-/// Held up for so long, or not driving freely, it does not get on as it should.
+/// After these times held up, or not driving freely, it does not get on as it should.
 const HESITATING_S: f64 = 0.25;
 const FLAGGING_S: f64 = 0.5;
-/// An escape ends after so many metres or seconds.
+/// An escape ends after this distance or time.
 const ESCAPE_M: f64 = 0.4;
 const ESCAPE_S: f64 = 5.0;
 /// It is as fast as this at most, as if it were to stand a little ahead, and looks for another way out
-/// where this one is closed although the robot faces it to within so much.
+/// where this one is closed although the robot faces it to within this angle.
 const ESCAPE_MPS: f64 = 0.2;
 const ESCAPE_REMAINING_M: f64 = 1.0;
 const FACING_RAD: f64 = 0.15;
 
-/// A way out is looked for in so many directions all around,
+/// A way out is looked for in this many directions all around,
 const DIRECTIONS: u32 = 36;
 /// each of which must be open so far, and a little to both sides of it too;
 const OPEN_M: f64 = 0.15;
 const ASIDE_RAD: f64 = 0.15;
-/// the way back costs so much against the openness of the most open.
+/// the way back costs this much against the openness of the most open.
 const OFF_TARGET_WEIGHT: f64 = 0.5;
 
 impl Escape {

@@ -28,9 +28,9 @@ pub struct WindowInput<'a> {
 
 /// Velocities that can be reached within this time are considered,
 pub const WINDOW_S: f64 = 0.25;
-/// so many translations
+/// this many translations
 const TRANSLATIONS: usize = 11;
-/// times so many rotations, besides straight on and the turn to the target.
+/// times this many rotations, besides straight on and the turn to the target.
 const ROTATIONS: usize = 21;
 
 /// How many velocities a decision looks at.
@@ -41,8 +41,8 @@ const HEADING_WEIGHT: f64 = 0.7;
 const CLEARANCE_WEIGHT: f64 = 0.12;
 const SPEED_WEIGHT: f64 = 0.18;
 
-/// Of the acceleration there is, the last metres to where the robot is to stand count on so much, and
-/// the robot goes at least so fast there: it stands where it is to, and not before.
+/// The share of the acceleration that the last metres to where the robot is to stand count on, and the least speed
+/// there: it stands where it is to, and not before.
 const ARRIVAL_BRAKING: f64 = 0.6;
 const ARRIVAL_MPS: f64 = 0.03;
 

@@ -7,7 +7,7 @@ use crate::world::TravelMode;
 /// Steps until a command has taken effect: it is given after one percept, and the next one shows it.
 const COMMAND_STEPS: f64 = 2.0;
 
-/// Of the angular deceleration there is, turns count on so much: what is left is for a late command.
+/// The share of the angular deceleration that turns count on: what is left is for a late command.
 const TURN_BRAKING: f64 = 0.7;
 
 /// Between the robot's disc and an obstacle point that it still moves towards: the noise of a reading.

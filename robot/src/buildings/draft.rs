@@ -14,7 +14,7 @@ pub(super) const WALL_M: f64 = 0.15;
 /// Nothing stands nearer to the middle of a door.
 const DOOR_FREE_M: f64 = 1.1;
 
-/// A door is wider than the robot by at least so much.
+/// A door is wider than the robot by at least this.
 const DOOR_AIR_M: f64 = 0.32;
 
 /// How wide doors are, for a robot that fits through.

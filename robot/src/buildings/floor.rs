@@ -11,10 +11,10 @@ const CELL_M: (f64, f64) = (0.05, 0.1);
 /// Above this it is large.
 const SMALL_M2: f64 = 1500.0;
 
-/// Ways are wider than the robot by so much on both sides: plans are made on coarser cells.
+/// Ways are wider than the robot by this on both sides: plans are made on coarser cells.
 const WAY_AIR_M: f64 = 0.1;
 
-/// So much more room is around a start, a place, and a spot.
+/// Additional room around a start, a place, and a spot.
 const STAND_AIR_M: f64 = 0.1;
 
 /// How many places there are.

@@ -17,19 +17,19 @@ pub enum Furniture {
 /// Spots that are tried for a piece.
 const TRIES: usize = 40;
 
-/// Of pieces that are rearranged, so many are gone ...
+/// The share of rearranged pieces that are gone ...
 const GONE: f64 = 0.15;
 
-/// ... and so many were moved ...
+/// ... the share that were moved ...
 const MOVED: f64 = 0.45;
 
-/// ... by so much.
+/// ... and by how much.
 const MOVED_M: (f64, f64) = (0.5, 2.0);
 
 /// As many new pieces as this share of those there were, and one more.
 const NEW: f64 = 0.15;
 
-/// So many pieces stand against a wall.
+/// The share of pieces that stand against a wall.
 const AT_WALL: f64 = 0.6;
 
 const SEEN_BY_ALL: SeenBy = SeenBy { sonar: true, laser: true };

@@ -25,10 +25,10 @@ use floor::Floor;
 pub use furniture::Furniture;
 use rpl_random::Stream;
 
-/// So many draws are made before there is no building.
+/// The draws that are made before there is no building.
 const DRAWS: usize = 400;
 
-/// So many ways to move the furniture of a building are tried before another building is drawn.
+/// The ways to move the furniture of a building that are tried before another building is drawn.
 const REARRANGEMENTS: usize = 40;
 
 /// How buildings differ in plan.

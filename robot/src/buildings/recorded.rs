@@ -5,10 +5,10 @@ use super::furniture::{Furniture, furnish};
 use crate::world::World;
 use rpl_random::Stream;
 
-/// On so much ground stands a piece of furniture, which the robot's map has.
+/// Ground for each piece of furniture, which the robot's map has.
 const PIECE_M2: f64 = 40.0;
 
-/// There are at most so many.
+/// The most pieces.
 const MOST_PIECES: usize = 60;
 
 pub(super) fn draw(plan: &World, stream: &mut Stream, furniture: Furniture) -> Draft {

@@ -200,7 +200,7 @@ impl OdometryDrift {
         heading_bias_radpm: 0.0,
     };
 
-    /// Every error so many times as large.
+    /// Every error multiplied by `factor`.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self {

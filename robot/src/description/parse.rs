@@ -23,16 +23,16 @@ pub(super) const MOST_SONARS: usize = 128;
 /// A ring of fewer sonars would have cones of more than half a turn.
 const FEWEST_IN_RING: usize = 3;
 
-/// A laser has at most so many readings.
+/// The most readings a laser may have.
 const MOST_READINGS: usize = 2_000;
 
-/// An image is at least so many pixels wide and high ...
+/// The least width and height of an image, in pixels ...
 const FEWEST_PIXELS: usize = 8;
 
-/// ... and at most so many: a line that a host says holds one.
+/// ... and the greatest: a line that a host says holds one.
 const MOST_PIXELS: usize = 320;
 
-/// Of the motors' braking and turning so much is counted on, unless the file says otherwise.
+/// The share of the motors' braking and turning that is counted on, unless the file says otherwise.
 const COUNTED_ON: f64 = 0.9;
 
 /// What a number may be, and how it is written.
@@ -144,7 +144,7 @@ fn optional<'t, 'i, T>(
     read(reader, &table).map(Some)
 }
 
-/// Brakes that close stop a robot so many times as fast as it brakes when it drives, if nothing else is said.
+/// How many times as fast closing brakes stop a robot as it brakes when it drives, if nothing else is said.
 const HALTING_BY_BRAKING: f64 = 2.5;
 
 fn read_motors<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<Motors> {

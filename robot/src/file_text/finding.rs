@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeTable;
 
-/// More faults of a file are counted and not shown: one that has so many is no such file.
+/// More faults of a file are counted and not shown: one that has this many is no such file.
 const MOST_SHOWN: usize = 100;
 
 /// Characters of a line of the file that are shown.

@@ -275,7 +275,7 @@ impl<'i> Reader<'i> {
         }
     }
 
-    /// So many numbers in a list.
+    /// The numbers of a list with `COUNT` of them.
     pub fn numbers<const COUNT: usize>(
         &mut self,
         value: &TomlValue<'i>,

@@ -14,7 +14,7 @@ use rpl_random::Stream;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The battery is told each time it has changed by so much.
+/// The battery is told each time it has changed by this share.
 const BATTERY_STEP: f64 = 0.005;
 
 /// The robot is charged this near to a charging place.
@@ -256,7 +256,7 @@ impl AbstractRobot {
         self.knowledge.battery.is_none() || self.battery > 0.0
     }
 
-    /// For how long a drive that should take so long is held up by people, and from when on.
+    /// For how long a drive that should take `expected_s` is held up by people, and from when on.
     pub fn draw_hold_up(&mut self, expected_s: f64) -> (u64, u64) {
         self.leave_to_chance();
         let lost_s = self.knowledge.models.drive_time(expected_s, &mut self.streams.drives).held_up_s;
@@ -502,7 +502,7 @@ impl AbstractRobot {
         self.knowledge.battery.map_or(f64::INFINITY, |battery| self.battery * battery.driving_s)
     }
 
-    /// How long a door keeps the robot that comes to it in so many seconds: mostly not at all. A run finds a
+    /// How long a door keeps the robot that comes to it in `in_s` seconds: mostly not at all. A run finds a
     /// door as it found it before.
     fn wait_at(&mut self, door: usize, in_s: f64) -> f64 {
         let arrives_us = self.now_us + microseconds(in_s);

@@ -52,7 +52,7 @@ pub enum UnderWay {
     Driving {
         /// Those that are left.
         targets: Vec<Target>,
-        /// So long it stands before what is closed.
+        /// How long it stands before what is closed.
         patience_s: f64,
         /// Whether it moves already, so that setting off takes no more time.
         has_set_off: bool,

@@ -50,7 +50,7 @@ pub struct DriveTimes {
     pub turn_s_per_rad: f64,
 }
 
-/// By so much a metre takes longer than at the speed of its mode, a turn longer than at the speed of
+/// How much longer a metre takes than at the speed of its mode, a turn than at the speed of
 /// turning, and the constant in seconds: least squares of the relative error over 38 drives of `b21` between
 /// places of `dept`, `rpl experiment drive-times --row dept --runs 40`. Doorways take less than their length:
 /// the mode is set a moment after the robot has entered one.

@@ -16,7 +16,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// What is counted on beforehand: a share that weighs as much as so many times.
+    /// A rate that is counted on beforehand: a share that weighs as much as `weight` times.
     pub fn counted_on(share: f64, weight: f64) -> Self {
         Self { happened: share * weight, times: weight }
     }
@@ -62,7 +62,7 @@ pub struct GraspRecord {
 }
 
 impl GraspRecord {
-    /// Takes down how all tries at a thing went: so many missed, and then it was held or was not there.
+    /// Takes down how all tries at a thing went: `misses` missed, and then it was held or was not there.
     pub fn note(&mut self, misses: u32, is_held: bool) {
         self.things += 1;
         if is_held {
@@ -99,11 +99,11 @@ impl GraspRecord {
     }
 }
 
-/// A thing that was missed so often is not there.
+/// A thing that was missed this often is not there.
 const TRIES_AT_A_THING: u32 = 3;
 
-/// After so many rounds the rates hardly change any more. Only where two tries in three miss, or more, that of misses is
-/// still some hundredths too low, and that of missing things as much too high.
+/// After this many rounds the rates hardly change any more. Only where two tries in three miss, or more, that of misses
+/// is still some hundredths too low, and that of missing things as much too high.
 const ROUNDS: usize = 32;
 
 /// The thing that was missed last, and how often in a row.
@@ -147,7 +147,7 @@ pub struct DriveRecord {
     pub doors_closed: u32,
 }
 
-/// So many drives are remembered.
+/// Drives that are remembered.
 const DRIVES_KEPT: usize = 256;
 
 impl DriveRecord {
@@ -167,7 +167,7 @@ impl DriveRecord {
         self.doors_closed += later.doors_closed;
     }
 
-    /// How many times the time it should take a drive takes this robot where nothing comes between: so long as its
+    /// How many times the time it should take a drive takes this robot where nothing comes between: as long as its
     /// quick quarter and those about as quick took. The prior is 1, and weighs as much as [`PRIOR_DRIVES`].
     fn pace(&self) -> f64 {
         let mut shares: Vec<f64> = self.drives.iter().map(|drive| drive.took_s / drive.expected_s).collect();
@@ -178,7 +178,7 @@ impl DriveRecord {
     }
 }
 
-/// Whether a drive that takes so many times its time only strays from a pace.
+/// Whether a drive that takes `share` times its time only strays from a pace.
 fn strays_about(share: f64, pace: f64) -> bool {
     (share / pace - 1.0).abs() <= 3.0 * USUAL_STRAYING
 }
@@ -186,9 +186,9 @@ fn strays_about(share: f64, pace: f64) -> bool {
 /// How one of its own drives went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum OwnDrive {
-    /// It took so many times its time: on a long way that is more than on a short one.
+    /// How many times its time it took: on a long way that is more than on a short one.
     Strayed(f64),
-    /// It was held up for so long, as it would have been on any way.
+    /// How long it was held up, as it would have been on any way.
     HeldUp(f64),
 }
 
@@ -212,17 +212,17 @@ const HELD_UP_S: f64 = 30.0;
 /// No drive takes less than this part of its time.
 const LEAST_TIME: f64 = 0.5;
 
-/// The prior of drives weighs as much as so many of its own.
+/// The prior of drives weighs as much as this many of the robot's own.
 const PRIOR_DRIVES: f64 = 8.0;
 
-/// The prior of a rate weighs as much as so many times at which it could have happened: with one in fifty that is half
-/// a time at which it did.
+/// The prior of a rate weighs as much as this many times at which it could have happened: with one in fifty that is
+/// half a time at which it did.
 const PRIOR_TIMES: f64 = 25.0;
 
 /// A door found closed stays so for a minute on the average: assumed.
 const CLOSED_S: f64 = 60.0;
 
-/// A search for the position takes from so long to so long, and succeeds nearly always: assumed.
+/// A search for the position takes a time between these, and succeeds nearly always: assumed.
 const SEARCH_S: [f64; 2] = [10.0, 60.0];
 const SEARCH_FAILS: f64 = 0.03;
 
@@ -262,7 +262,7 @@ pub struct DriveTime {
 /// How a search for the position goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// So long it takes.
+    /// How long it takes.
     pub takes_s: f64,
     /// Whether it finds the position.
     pub finds: bool,
@@ -319,8 +319,8 @@ impl Models {
         rates.iter().all(|rate| rate.share() == 0.0) && *straying == 0.0 && *pace == 1.0 && own_drives.is_empty()
     }
 
-    /// How long a drive takes that should take so long, and how much of that it is held up: as one of its own was, or,
-    /// the fewer these are the likelier, as a prior says.
+    /// How long a drive takes that should take `expected_s`, and how much of that it is held up: as one of its own was,
+    /// or, the fewer these are the likelier, as a prior says.
     pub fn drive_time(&self, expected_s: f64, stream: &mut Stream) -> DriveTime {
         let own = self.own_drives.len() as f64;
         // Each drive draws the same numbers, whatever comes of them: plans are compared on the same chances.
@@ -393,7 +393,7 @@ mod tests {
         assert!((misses - 0.4).abs() < 0.02 && (missing - 0.2).abs() < 0.02, "{misses} {missing}");
     }
 
-    /// Of a robot whose drives should have taken 50 s each, and took so long.
+    /// Of a robot whose drives should have taken 50 s each, and took these times.
     fn after_drives_of_50_s(took_s: &[f64]) -> Models {
         let drives = took_s.iter().map(|&took_s| TimedDrive { expected_s: 50.0, took_s }).collect();
         let drives = DriveRecord { drives, ..DriveRecord::default() };

@@ -20,7 +20,7 @@ const DOOR_SHOWS_M: f64 = 2.5;
 /// What is not as in the map is measured from here on.
 const MEASURED_M: f64 = 3.0;
 
-/// What is seen standing somewhere is a disc of this size, and so much air is around the robot.
+/// The radius of the disc that stands for anything seen standing, and the air around the robot.
 const STANDING_RADIUS_M: f64 = 0.05;
 const AIR_M: f64 = 0.05;
 
@@ -83,7 +83,7 @@ impl SimulatedWorld {
         Motion { odometry_in_odom, velocity: Velocity { translation_mps, rotation_radps } }
     }
 
-    /// A drive begins, on a way that should take so long.
+    /// A drive begins, on a way that should take `expected_s`.
     pub fn begin_drive(&mut self, robot: &mut AbstractRobot, way: &Way, expected_s: f64) {
         self.held_up_us = robot.draw_hold_up(expected_s);
         self.doors_ahead = way.doors().collect();

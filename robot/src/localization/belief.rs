@@ -457,7 +457,7 @@ impl Belief {
         self.weighed(model, average, f64::from(LIFT), mixed)
     }
 
-    /// Takes in that all tiles were weighed and are stored so many times as large, and normalizes; what sleeps is
+    /// Takes in that all tiles were weighed and are stored `lift` times as large, and normalizes; what sleeps is
     /// multiplied by the average weight. Tells the logarithm of the evidence by the average weight.
     pub(super) fn weighed(&mut self, model: &LocalizationModel, average: f64, lift: f64, mixed: f64) -> f64 {
         (self.factor, self.floor) = (1.0, 0.0);
@@ -555,7 +555,7 @@ impl Belief {
         }
     }
 
-    /// How many states are worth at least so much.
+    /// How many states are worth at least a bound.
     pub(super) fn states_above(&self, bound: f64) -> usize {
         let above = |cell: &&f32| self.value(**cell) >= bound;
         let tiles = self.tiles().filter(|tile| self.value(tile.peak) >= bound);

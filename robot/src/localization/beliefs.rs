@@ -16,7 +16,7 @@ use super::watcher::{ASSURED, Update, Watcher};
 use crate::geometry::{Pose, wrap_angle_rad};
 use serde::{Deserialize, Serialize};
 
-/// While the fine belief explains the scans, the coarse one takes in every so many-th beam, beginning with the next
+/// While the fine belief explains the scans, the coarse one takes in every nth beam, beginning with the next
 /// one at each update: beams far apart in turn, whose evidence overlaps less.
 const WATCH_BEAM_STRIDE: u64 = 3;
 
@@ -31,8 +31,8 @@ const LED_ACTIVITY: f64 = 1e-3;
 /// With more of the fine belief asleep than this, it knows too little to lead.
 const MOST_ASLEEP: f64 = 0.5;
 
-/// Dead reckoning may have led the robot so many standard deviations away from the mode; the mode itself may be off by
-/// two of them.
+/// Dead reckoning may have led the robot this many standard deviations away from the mode; the mode itself may be off
+/// by two of them.
 const REACH_SIGMAS: f64 = 4.0;
 
 /// With less agreement than this it is asked whether another place explains the scans ...
@@ -41,10 +41,10 @@ const LEAST_AGREED: f64 = 0.98;
 /// ... unless the fine belief holds less of the pose than this.
 const CONTESTED: f64 = 0.9;
 
-/// All places are compared at the latest after so many updates, if scans have been explained badly.
+/// All places are compared at the latest after this many updates, if scans have been explained badly.
 const LONGEST_REVIEW_UPDATES: usize = 640;
 
-/// So many places of the coarse belief are looked at, with this much of it at the least.
+/// The most places of the coarse belief that are looked at, with this much of it at the least.
 const MOST_PLACES: usize = 12;
 const LEAST_PLACE: f64 = 1e-4;
 
@@ -107,9 +107,9 @@ pub(super) struct Beliefs {
 struct Review {
     /// Whether the robot gets no nearer where the map shows a way.
     is_held_up: bool,
-    /// After so many updates, if the scans ask for it then.
+    /// Updates until then, if the scans ask for it.
     due_in_updates: usize,
-    /// And after so many more the next time: where the map has aged they always ask.
+    /// Updates from then to the next time: where the map has aged they always ask.
     interval_updates: usize,
 }
 
@@ -283,9 +283,9 @@ impl Beliefs {
         self.slip.factor()
     }
 
-    /// Eq. (2) for a scan of each sensor after a motion; so many updates have been before. `support_nats` is how far the
-    /// readings that are not short have borne the mode out, and `is_explained` whether the scans fit as usual where the
-    /// motion has led.
+    /// Eq. (2) for a scan of each sensor after a motion; `updates` is how many have been before. `support_nats` is how
+    /// far the readings that are not short have borne the mode out, and `is_explained` whether the scans fit as usual
+    /// where the motion has led.
     ///
     /// Where people stand around, the coarse belief hears the whole scan, with a beam to which people are likely: who left
     /// out there what the fine one takes for people could not object to a wrong pose. So does the fine one where nothing is
@@ -521,13 +521,13 @@ fn elsewhere(coarse: &Belief, coarse_model: &LocalizationModel, pose_in_map: Pos
     places
 }
 
-/// So many states of the fine grid are above θ, by the coarse belief.
+/// How many states of the fine grid are above θ, by the coarse belief.
 fn likely_states(model: &LocalizationModel, coarse: &Belief, coarse_model: &LocalizationModel) -> f64 {
     let ratio = coarse_model.prior() / model.prior();
     coarse.states_above(model.threshold() * ratio) as f64 * ratio
 }
 
-/// Every so many-th beam of a scan.
+/// Every nth beam of a scan.
 fn in_turn(scans: &[BinnedScan], updates: u64) -> Vec<BinnedScan> {
     let turn = (updates % WATCH_BEAM_STRIDE) as usize;
     let beam = |(beam, &bin): (usize, &Option<u8>)| bin.filter(|_| beam % WATCH_BEAM_STRIDE as usize == turn);

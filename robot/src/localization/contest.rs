@@ -13,7 +13,7 @@ use std::cell::LazyCell;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 
-/// So many updates are kept: what they have told of one place.
+/// Updates that are kept: what they have told of one place.
 pub(super) const KEPT_UPDATES: usize = 40;
 
 /// Edge of a region of the map, of which it is one question whether it has changed.
@@ -45,7 +45,7 @@ const LEAST_UPDATES: usize = 6;
 /// chance.
 const ANYWHERE_NATS: f64 = 24.0;
 
-/// Of a robot that gets no nearer it is likelier that it is elsewhere: then so much is enough, whatever its share.
+/// Of a robot that gets no nearer it is likelier that it is elsewhere: then this is enough, whatever its share.
 const HELD_UP_NATS: f64 = 8.0;
 
 /// Another place is searched for so far around a pose of the coarse grid, in cells and steps of the fine one ...
@@ -72,7 +72,7 @@ pub(super) enum Verdict {
     Won,
     /// A place is better over the last few updates, too few to tell.
     Pending,
-    /// No place is so much better.
+    /// No place is better by enough.
     Dismissed,
 }
 
@@ -197,7 +197,7 @@ impl Contest {
     }
 }
 
-/// The pose around one, by so many cells and steps of the heading, that fits scans best.
+/// The pose around one, within some cells and steps of the heading, that fits scans best.
 fn fitted(model: &LocalizationModel, pose_in_map: Pose, scans: &[BinnedScan], [cells, steps]: [i64; 2]) -> Pose {
     let (cell_m, step_rad) = (model.grid.cell_m, model.grid.angle_step_rad());
     let by = |count: i64| -count..=count;

@@ -71,8 +71,8 @@ impl ExpectedBins {
         places.filter(|&place| self.ground.is_free(place))
     }
 
-    /// So many of the cells that can be stood in, spread evenly over them, row by row of the map; where there are fewer,
-    /// some several times.
+    /// `count` of the cells that can be stood in, spread evenly over them, row by row of the map; where there are
+    /// fewer, some several times.
     pub(super) fn spread_cells(&self, count: usize) -> Vec<Place> {
         let all = self.ground.cells();
         let mut wanted = (0..count).map(|number| number * all / count).peekable();

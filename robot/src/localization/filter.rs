@@ -25,7 +25,7 @@ pub struct Estimate {
 /// A reading that differs by more than this has changed; far beyond the noise.
 const CHANGED_M: f32 = 0.5;
 
-/// Changed readings that make a changed scan, one in so many; a person walking by changes fewer.
+/// One changed reading in this many makes a changed scan; a person walking by changes fewer.
 const CHANGED_ONE_IN: usize = 3;
 
 /// Scans speak against a pose that they explain worse by this than the last ones did theirs, as the logarithm of the

@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 /// elsewhere. What stands before a wall never makes a reading longer. Chosen, not fitted.
 const LOG_RATIOS: [f64; 3] = [0.85, -1.9, -0.2];
 
-/// What was read counts for at most so much, in nats: so a robot that was carried elsewhere forgets in a scan or two that
-/// its pose was right.
+/// The most that readings count for, in nats: thus a robot that was carried elsewhere forgets in a scan or two that its
+/// pose was right.
 const MOST_SUPPORT: f64 = 1.2;
 
-/// Among people what was read counts for at most so much: few readings are not short there, and the sum of some scans can
-/// be against the right pose.
+/// The most that readings count for among people: few readings are not short there, and the sum of some scans can be
+/// against the right pose.
 const MOST_SUPPORT_IN_CROWD: f64 = 2.4;
 
 /// A scan that speaks against the pose by more than this, in nats, counts in full, however well the scans before it fitted.
@@ -27,8 +27,8 @@ const MOST_AGAINST: f64 = 0.3;
 /// The same among people: nearly three echoes from farther.
 const MOST_AGAINST_IN_CROWD: f64 = 0.8;
 
-/// Once so many scans more have told of people than have not, people stand around, whatever the next scan tells of the
-/// pose: nobody is gone from one scan to the next.
+/// Once this many scans more have told of people than have not, people stand around, whatever the next scan tells of
+/// the pose: nobody is gone from one scan to the next.
 const LEAST_CROWD_SCANS: u32 = 5;
 
 /// And no more are counted than this, so that they are known to be gone after some two metres.

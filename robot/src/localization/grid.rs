@@ -193,7 +193,7 @@ pub struct Bearings {
 }
 
 impl Bearings {
-    /// Of beams with these bearings, on a grid with so many headings.
+    /// Of beams with these bearings, on a grid with this number of headings.
     pub(super) fn new(headings: usize, beams_deg: &[i32]) -> Self {
         let beams_deg: Vec<u32> = beams_deg.iter().map(|bearing| bearing.rem_euclid(360) as u32).collect();
         let step_deg = beams_deg.iter().copied().fold(360 / headings as u32, greatest_common_divisor);

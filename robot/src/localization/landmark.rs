@@ -32,7 +32,7 @@ impl LandmarkNoise {
     }
 }
 
-/// Of all sightings so many are of something else: a colour by chance, a sheet that hangs elsewhere by now.
+/// The share of all sightings that are of something else: a colour by chance, a sheet that hangs elsewhere by now.
 const MISTAKEN: f64 = 0.1;
 
 /// A sheet is seen from so far aside of its wall, as the sine of the angle to it, at the least.
@@ -41,7 +41,7 @@ const LEAST_ASLANT: f64 = 0.15;
 /// What hides a landmark is at least so far off its wall, and off the robot.
 const BETWEEN_M: f64 = 0.2;
 
-/// Weights farther off than so many standard deviations are those of a mistake.
+/// Weights farther off than this many standard deviations are those of a mistake.
 const DEVIATIONS: f64 = 4.0;
 
 /// A sheet that was seen, and the landmarks that it may be.

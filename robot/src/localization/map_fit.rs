@@ -7,10 +7,10 @@ use crate::geometry::{Point, Pose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What was seen so many updates ago counts for 1/e.
+/// What was seen this many updates ago counts for 1/e.
 const UPDATES: f64 = 200.0;
 
-/// So many updates tell of a map.
+/// The fewest updates that tell of a map.
 const LEAST_UPDATES: f64 = 50.0;
 
 /// Regions that hold less of a reading than this are forgotten.

@@ -177,8 +177,8 @@ impl Surroundings<'_> {
         Arc::new(reached.into_iter().filter_map(tile).collect())
     }
 
-    /// Numbers of the tiles that the tiles of a plane get into when they are moved and spread to so many cells
-    /// around, growing.
+    /// Numbers of the tiles that the tiles of a plane get into when they are moved and spread by `around` cells,
+    /// growing.
     fn reached(&self, plane: &Plane, by_cells: [i64; 2], around: i64) -> Vec<u32> {
         if plane.tiles.len() == self.ground.numbers().len() {
             return self.ground.numbers().to_vec();
@@ -213,7 +213,7 @@ impl Surroundings<'_> {
     /// copies.
     fn copy_moved(&self, plane: &Plane, [column, row]: [i64; 2], cells: &mut Cells) {
         let [tile_column, tile_row] = [column, row].map(|first| first.div_euclid(EDGE));
-        // Where the square begins in the first tiles, and so many columns and rows are not of them.
+        // Where the square begins in the first tiles, and also how many of its columns and rows lie beyond them.
         let [across, up] = [column, row].map(|first| first.rem_euclid(EDGE) as usize);
         let of_rows = [(tile_row, up, 0, TILE_EDGE - up), (tile_row + 1, 0, TILE_EDGE - up, up)];
         for (tile_row, from, to, rows) in of_rows.into_iter().filter(|&(.., rows)| rows > 0) {

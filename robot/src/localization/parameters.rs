@@ -55,9 +55,9 @@ pub struct LocalizationParameters {
     pub update_distance_m: f64,
     /// ... or after turning by this much.
     pub update_angle_rad: f64,
-    /// A robot at rest updates after so many observations ...
+    /// A robot at rest updates after this many observations ...
     pub standing_observations: u32,
-    /// ... but at most so many times, until it moves or sees something new.
+    /// ... but at most this many times, until it moves or sees something new.
     pub standing_updates: u32,
 }
 
@@ -318,7 +318,7 @@ pub struct OdometryError {
 pub struct OdometryFaults {
     /// Probability of a jump at an update.
     pub jump: f64,
-    /// It is by at most so much to either side, all alike.
+    /// It is by at most this angle to either side, all alike.
     pub most_jump_rad: f64,
     /// Probability at an update that the way was the other one.
     pub reversal: f64,
@@ -347,8 +347,8 @@ impl Default for OdometryError {
 /// Odometry errs by more than its description says: steps of the grid, and floors that it was not measured on.
 const ODOMETRY_SLACK: f64 = 1.1;
 
-/// A constant error is as far off after this way as a random one that is set right so often: what it adds to the variance
-/// grows with the square of the way, and here it is to grow with the way.
+/// A constant error is as far off after this way as a random one that is set right as often: what it adds to the
+/// variance grows with the square of the way, and here it is to grow with the way.
 const BIAS_WAY_M: f64 = 10.0;
 
 /// The same for turns.

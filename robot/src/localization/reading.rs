@@ -102,7 +102,7 @@ impl Belief {
         self.sense(model, &scans);
     }
 
-    /// At most so many states, drawn evenly: along the cells of the belief, plane by plane and tile by
+    /// At most `count` states, drawn evenly: along the cells of the belief, plane by plane and tile by
     /// tile, one wherever another `1 / count` of it has been passed. A state with more than that stands
     /// for all it has, to `1 / count`. O(tiles, and cells of those that hold any).
     pub fn drawn_states(&self, model: &LocalizationModel, count: usize) -> Vec<StateShare> {

@@ -164,7 +164,7 @@ mod tests {
         ScanParameters::laser(&LaserScanner { readings: 181, resolution_deg: 1.0, range_m: 8.0 })
     }
 
-    /// What a laser measures at a pose, with noise of so much.
+    /// What a laser measures at a pose, with noise of this standard deviation.
     fn scan_m(model: &LocalizationModel, pose: Pose, sigma_m: f64, noise: &mut Stream) -> Vec<f32> {
         let ray = |bearing_deg: &i32| {
             let (sin, cos) = libm::sincos(pose.heading_rad + f64::from(*bearing_deg).to_radians());

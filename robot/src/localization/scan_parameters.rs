@@ -330,7 +330,7 @@ impl Default for ShortReadings {
 const GATED_BEAMS: usize = 24;
 
 impl ShortReadings {
-    /// For scans of so many beams: the same shares of them.
+    /// For scans of this number of beams: the same shares of them.
     pub fn of_beams(beams: usize) -> Self {
         let usual = Self::default();
         let of_these = |count: usize| (count * beams + GATED_BEAMS / 2) / GATED_BEAMS;

@@ -16,16 +16,16 @@ const LONGEST_M: f64 = 5.0;
 /// How well scans find the pose at either end.
 const FOUND: Spread = Spread { position_m: 0.06, heading_rad: 2.0 / 180.0 * std::f64::consts::PI };
 
-/// So many ways are remembered.
+/// Ways that are remembered.
 const WAYS: usize = 20;
 
-/// That odometry errs as its description says counts for so many ways.
+/// The description of the odometry's errors counts for this many ways.
 const DESCRIPTION_WAYS: f64 = 1.0;
 
 /// No factor is taken to be larger.
 const MOST: f64 = 12.0;
 
-/// An error is not taken to be farther out than so many standard deviations: hands are not wheels.
+/// An error is not taken to be farther out than this many standard deviations: hands are not wheels.
 const FARTHEST_SIGMAS: f64 = 3.0;
 
 /// Rounds of scoring: each is near to the next one then.
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use rpl_random::Stream;
 
-    /// What is learned on so many ways of a metre by odometry that errs so many times as far as described, and once
+    /// What is learned on some ways of a metre by odometry that errs `times` times as far as described, and once
     /// somebody has turned the robot.
     fn learned(times: f64, ways: usize, turned_rad: f64) -> f64 {
         let (described, mut stream) = (OdometryError::default(), Stream::new(10_440, "slip"));

@@ -11,8 +11,8 @@ use crate::geometry::Pose;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
-/// So many updates in a row both beliefs must have been sure before the coarse one sleeps, and so many it is told of when
-/// it wakes: as many as a robot needs to find its place.
+/// Updates in a row for which both beliefs must have been sure before the coarse one sleeps, and of which it is told
+/// when it wakes: as many as a robot needs to find its place.
 const KEPT_UPDATES: usize = 40;
 
 /// A belief is sure of the mode that has as much of it as this.
@@ -99,7 +99,7 @@ pub(super) struct Watcher {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Attention {
-    /// So many updates in a row both beliefs have agreed.
+    /// The updates in a row for which both beliefs have agreed.
     Awake { belief: Belief, agreed_updates: usize },
     /// What it has not heard of, the oldest first.
     Asleep { missed: VecDeque<Update> },

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const PASSING_M: f64 = 0.3;
 /// The last target counts as reached from here.
 const ARRIVAL_M: f64 = 0.15;
-/// Something stands so near to the last target that the robot gets no nearer: after so long it
+/// Something stands so near to the last target that the robot gets no nearer: after this time it
 /// counts as reached from here.
 const CROWDED_ARRIVAL_M: f64 = 0.3;
 const CROWDED_S: f64 = 5.0;
@@ -104,7 +104,7 @@ enum DrivePhase {
     #[default]
     Idle,
     Driving,
-    /// Turning on the spot to see more, for so long.
+    /// Turning on the spot to see more, for this time.
     LookingAround {
         left_s: f64,
     },

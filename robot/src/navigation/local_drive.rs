@@ -75,13 +75,13 @@ const ARRIVAL_M: f64 = 0.15;
 const WANDER_ROOM_M: f64 = 0.6;
 /// How far a wandering robot looks.
 const WANDER_HORIZON_M: f64 = 2.0;
-/// A wandering robot keeps its way for between so many seconds.
+/// The shortest and the longest time for which a wandering robot keeps its way.
 const WANDER_S: (f64, f64) = (5.0, 15.0);
 /// A wall counts as one to follow within this distance.
 const WALL_NEAR_M: f64 = 1.2;
 /// A wall is followed in the outermost direction with this much room.
 const WALL_ROOM_M: f64 = 0.9;
-/// So many directions all around are tried, and of these a robot at a wall tries those from the side of
+/// Directions all around that are tried; of these a robot at a wall tries those from the side of
 /// the wall to the other.
 const DIRECTIONS: u32 = 24;
 const DIRECTION_RAD: f64 = std::f64::consts::TAU / DIRECTIONS as f64;

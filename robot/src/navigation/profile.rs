@@ -9,7 +9,7 @@ use crate::sensors::RangeSensor;
 pub(super) struct DrivingProfile {
     /// How far along the way the point lies that the collision avoidance heads for.
     pub lookahead_m: f64,
-    /// A way is planned anew after so long even if nothing obstructs it: there may be a better one.
+    /// A way is planned anew after this time even if nothing obstructs it: there may be a better one.
     pub plan_s: f64,
     /// From this obstacle distance on, the planner does not mind.
     pub comfortable_distance_m: f64,

@@ -80,7 +80,7 @@ const STRAIGHT_TOLERANCE_M: f64 = 0.03;
 /// Slower than this it stands.
 const STANDING_MPS: f64 = 0.02;
 const STANDING_RADPS: f64 = 0.1;
-/// So much is getting on.
+/// The least motion that counts as getting on.
 const PROGRESS_RAD: f64 = 0.02;
 const PROGRESS_M: f64 = 0.01;
 /// Backwards it goes slowly, for few robots see well there.

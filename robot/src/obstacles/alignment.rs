@@ -4,7 +4,7 @@ use super::memory::ObstacleMemory;
 use crate::geometry::{Point, Pose, Transform, Vector};
 use crate::planning::{Patch, PlannerModel};
 
-/// Shifts up to so many steps along x and y are tried.
+/// Shifts by up to this many steps along x and y are tried.
 const STEPS: i32 = 5;
 const STEP_M: f64 = 0.04;
 

@@ -14,12 +14,12 @@ const JAMB_SHARE: f64 = 0.5;
 /// Points this far before or behind the wall count as standing in the doorway: leaf, somebody's
 /// feet, and the error of the estimate.
 const DEPTH_M: f64 = 0.25;
-/// Seen shut for so long, a door is closed: longer than a person takes to walk through.
+/// How long a door must be seen shut to count as closed: longer than a person takes to walk through.
 const SHUT_S: f64 = 2.0;
-/// It stays closed for the robot so long; then somebody may have opened it.
+/// How long it stays closed for the robot; then somebody may have opened it.
 const CLOSED_S: f64 = 180.0;
-/// From up to so far before it the sound comes straight back from a closed leaf: nothing seen there
-/// for so long, the door is open.
+/// From up to this distance before it the sound comes straight back from a closed leaf: if nothing is seen there for
+/// this time, the door is open.
 const BEFORE_M: f64 = 1.2;
 const OPEN_S: f64 = 1.0;
 /// Between the points of a barrier across a closed door.

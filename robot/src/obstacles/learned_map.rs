@@ -15,7 +15,7 @@ use crate::occupancy::OccupancyGrid;
 use crate::sensors::{LaserScan, RangeSensor, SonarScan};
 use serde::{Deserialize, Serialize};
 
-/// A scan counts after so much motion or time: a robot that stands hears the same again, right or
+/// A scan counts after this motion or time: a robot that stands hears the same again, right or
 /// wrong.
 const VIEW_M: f64 = 0.1;
 const VIEW_RAD: f64 = 0.087;

@@ -16,7 +16,7 @@ const MEMORY_RANGE_M: f64 = 2.5;
 /// nothing could have shown that they are gone.
 const MEMORY_S: f64 = 6.0;
 
-/// What was seen at one place for so long, and never looked through, stands there. A person walking
+/// A point seen at one place for this long, and never looked through, stands there. A person walking
 /// across a cone is gone from it after 0.9 m, at 0.6 m/s after 1.5 s.
 const STANDING_S: f64 = 2.0;
 
@@ -27,7 +27,7 @@ const AS_NEAR_M: f64 = 0.03;
 /// Points nearer to each other than this are one.
 const GRAIN_M: f64 = 0.05;
 
-/// A touch is felt on arcs of so much of the rim.
+/// The arc of the rim on which a touch is felt.
 const FELT_RAD: f64 = std::f64::consts::TAU / 24.0;
 
 /// Half as many readings must pass through a point before it is forgotten.
@@ -87,7 +87,7 @@ pub struct ObstacleMemory {
 }
 
 impl ObstacleMemory {
-    /// At most so many points; the ones seen longest ago go first.
+    /// The most points; the ones seen longest ago go first.
     pub const CAPACITY: usize = 400;
 
     /// Takes in what the sensors say at a place, or only lets `step_s` pass. `off_map_m` tells of a point in `odom` how far it is from the nearest surface of the map, if that

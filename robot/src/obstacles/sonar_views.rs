@@ -5,7 +5,7 @@ use crate::geometry::{Point, Pose, wrap_angle_rad};
 use crate::sensors::{SonarArray, SonarScan};
 use serde::{Deserialize, Serialize};
 
-/// After so much motion or time the sonars have another view.
+/// The motion or time after which the sonars have another view.
 const VIEW_M: f64 = 0.1;
 const VIEW_RAD: f64 = 0.087;
 const VIEW_S: f64 = 0.5;
@@ -13,7 +13,7 @@ const VIEW_S: f64 = 0.5;
 /// Older views say nothing: somebody may have come since.
 const REMEMBERED_S: f64 = 8.0;
 
-/// So much farther than a point a reading must be to have passed it: five times the noise nearby.
+/// How much farther than a point a reading must be to have passed it: five times the noise nearby.
 const PASSED_M: f64 = 0.08;
 
 /// One scan.
@@ -42,7 +42,7 @@ impl SonarView {
 pub(super) struct SonarViews(Vec<SonarView>);
 
 impl SonarViews {
-    /// At most so many.
+    /// The most views that are kept.
     const CAPACITY: usize = 40;
 
     /// Takes in a scan, and whether it is from a new place, direction or time.

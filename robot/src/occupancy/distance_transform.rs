@@ -48,7 +48,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Scratch for rows of so many cells.
+    /// Scratch for rows of `columns` cells.
     fn of(columns: usize) -> Self {
         Self { sites: vec![0; columns], starts: vec![0; columns], heights: vec![0; columns] }
     }

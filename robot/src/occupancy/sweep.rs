@@ -8,8 +8,8 @@ use std::ops::Range;
 /// Far above rounding, far below anything that matters.
 const NUDGE_CELLS: f64 = 1e-6;
 
-/// Points are rounded to parts of a cell, so many for each as this power of two, so that two that mirror each other do so
-/// exactly.
+/// Points are rounded to parts of a cell, whose number along it is this power of two, so that two that mirror each
+/// other do so exactly.
 const PARTS_LOG2: u32 = 16;
 const PARTS: f64 = (1 << PARTS_LOG2) as f64;
 

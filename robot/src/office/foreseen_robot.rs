@@ -30,11 +30,11 @@ use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
 
-/// Where the robot may be is drawn from so many maxima of its belief, each with at least such a part of it.
+/// The place of the robot is drawn from this many maxima of its belief, each with at least such a part of it.
 const MOST_HYPOTHESES: usize = 16;
 const LEAST_MASS: f64 = 0.001;
 
-/// Or from the likeliest states that hold this share of it, and at most from so many.
+/// Or from the likeliest states that hold this share of it, and at most from this many.
 const LIKELY: f64 = 0.95;
 const MOST_POSES: usize = 4096;
 
@@ -300,7 +300,7 @@ impl<M: Module> ForeseenOffice<M> {
         }
     }
 
-    /// Tells plans how things stand, and of navigation whether it is active, with so many targets left.
+    /// Tells plans how things stand, and of navigation whether it is active, and how many targets are left.
     pub(super) fn publish(&self, (is_navigating, targets): (bool, usize), outbox: &mut Outbox) {
         let board = &self.controller.board;
         let pose = self.robot.robot_in_map;

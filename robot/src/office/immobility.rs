@@ -5,14 +5,14 @@ use crate::geometry::{Pose, Velocity};
 use crate::simulator::Percept;
 use serde::{Deserialize, Serialize};
 
-/// So long the robot does not move although it is to.
+/// The time without moving after which a robot that is to move counts as immobile.
 pub const IMMOBILE_S: f64 = 2.0;
 
 /// Slower than this it need not move at all: motors have friction.
 const ASKED_MPS: f64 = 0.03;
 const ASKED_RADPS: f64 = 0.1;
 
-/// Whoever has moved by so much since moves.
+/// A robot that has moved by this since moves.
 const MOVED_M: f64 = 0.01;
 const MOVED_RAD: f64 = 0.02;
 
@@ -25,7 +25,7 @@ pub struct Immobility {
 
 impl Immobility {
     /// Takes in a percept, and what was asked of the wheels before it. Whether the robot has not moved for
-    /// [`IMMOBILE_S`], told once each so long. What touches the robot may hold it, and is told otherwise.
+    /// [`IMMOBILE_S`], told once in each such time. What touches the robot may hold it, and is told otherwise.
     pub(super) fn watch(&mut self, asked: Velocity, percept: &Percept) -> bool {
         let Percept { time_us, odometry_in_odom, .. } = *percept;
         let is_asked = asked.translation_mps.abs() >= ASKED_MPS || asked.rotation_radps.abs() >= ASKED_RADPS;

@@ -61,12 +61,12 @@ reports! {
     } => "position found",
     /// Odometry errs much farther than the description of the robot says.
     OdometrySlips {
-        /// So many times as far.
+        /// How many times as far.
         times: f64,
     } => "odometry slips",
     /// Much of what the robot has seen of late is not as in the map.
     MapDoesNotFit {
-        /// So much of it.
+        /// The share of it.
         share: f64,
         /// In which room most of that is.
         room: Option<String>,
@@ -88,19 +88,19 @@ reports! {
     } => "host lost",
     /// What the robot perceived came late.
     PerceptLate {
-        /// By so much.
+        /// By how much.
         late_s: f64,
     } => "percept late",
     /// The host says something of time that cannot be: it goes back, stands still or leaps.
     TimeAstray {
-        /// By so much between two percepts that should have been a period apart, or as many as are missing.
+        /// By how much between two percepts that should have been a period apart, or as many as are missing.
         by_s: f64,
     } => "time astray",
     /// The odometry of the host has changed by more than the robot can have moved: it counts as no motion.
     OdometryLeapt {
-        /// By so far.
+        /// By how far.
         distance_m: f64,
-        /// By so much, counter-clockwise.
+        /// By which angle, counter-clockwise.
         angle_rad: f64,
     } => "odometry leapt",
     /// The wheels are said to be faster than the robot can drive: they count as no faster than it can.
@@ -122,12 +122,12 @@ reports! {
     } => "sensor works again",
     /// What the robot perceived never came.
     PerceptsMissing {
-        /// So many steps of the host.
+        /// Missing steps of the host.
         count: u64,
     } => "percepts missing",
     /// To take a percept in and to decide took longer than the period of the host.
     DecisionLong {
-        /// So long.
+        /// How long it took.
         took_s: f64,
     } => "decision long",
     /// The scenario turned the robot.
@@ -162,17 +162,17 @@ reports! {
     } => "object removed",
     /// The scenario made people gather about the robot.
     PeopleGathered {
-        /// So many.
+        /// How many.
         people: usize,
     } => "people gathered",
     /// The scenario made the sonars fail.
     SonarsFailed {
-        /// For so long.
+        /// For how long.
         seconds: f64,
     } => "sonars failed",
     /// The scenario held the wheels.
     WheelsHeld {
-        /// For so long.
+        /// For how long.
         seconds: f64,
     } => "wheels held",
     /// The scenario put a thing that can be carried somewhere.

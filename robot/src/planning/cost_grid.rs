@@ -40,7 +40,7 @@ impl Inflation {
     }
 }
 
-/// What was seen and is in no map is kept clear of by so much more: it is known as points on arcs, and
+/// Obstacles seen but in no map are kept clear of by this much more: they are known as points on arcs, and
 /// the collision avoidance does not get through a gap that the robot just fits into.
 const SEEN_MARGIN_M: f64 = 0.08;
 

@@ -12,10 +12,11 @@ use crate::occupancy::{Cell, OccupancyGrid, squared_distances_cells};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A body goes through with so much air on each side ...
+/// The least air on each side of a body that goes through ...
 pub(super) const AIR_M: f64 = 0.01;
 
-/// ... and surely through a gap in the map that is so much wider than itself: the last of this are small cells.
+/// ... and how much wider than itself a gap in the map must be for it to go through surely: the last of this are small
+/// cells.
 pub(super) const GAP_AIR_M: f64 = 0.07;
 
 /// Cells that a gap of a cell more on each side would leave no room are not looked at again.
@@ -24,7 +25,7 @@ const COARSE_CELLS: f64 = 1.5;
 /// What is narrow has something on two opposite sides, together at most so far away beyond the width of the body.
 const OPPOSITE_M: f64 = 0.2;
 
-/// Cells are looked at by squares of so many.
+/// Cells are looked at by squares with this many along each edge.
 const SQUARE: usize = 8;
 
 /// Looks again at the cells that may be narrow, and keeps what is around those that are; `close_up` draws a part of the map in small cells, given its corner, the

@@ -3,7 +3,7 @@
 use crate::geometry::{Point, Vector};
 use std::collections::BTreeMap;
 
-/// So many small cells lie along each edge of a cell.
+/// Small cells along each edge of a cell.
 pub(super) const PARTS: usize = 5;
 
 /// A cell of which the body fits into a part.

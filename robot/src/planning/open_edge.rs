@@ -42,7 +42,7 @@ impl OpenEdge {
 pub(super) fn open_edges(map: &OccupancyGrid) -> Vec<OpenEdge> {
     let (columns, rows) = (map.columns, map.rows);
     let mut edges = Vec::new();
-    // The cell of each side at a place along it and so many cells from the edge.
+    // The cell of each side at a place along it and at a depth in cells from the edge.
     type CellOf<'m> = &'m dyn Fn(usize, usize) -> (usize, usize);
     let sides: [(usize, usize, Vector, CellOf<'_>); 4] = [
         (rows, columns, Vector::new(-1.0, 0.0), &|along, depth| (depth, along)),

@@ -129,7 +129,7 @@ impl Fields<'_> {
         Err(self.wrong(format!("{what} must be a whole number from 1 to 100000, found {number}")))
     }
 
-    /// The time of the message, after so many other fields; none if no number stands there.
+    /// The time of the message, after a number of other fields; none if no number stands there.
     fn stamp_s(&mut self, after: usize) -> Option<f64> {
         self.left.nth(after)?.parse().ok().filter(|stamp_s: &f64| stamp_s.is_finite())
     }

@@ -10,7 +10,7 @@ pub struct LaserScanner {
     pub readings: usize,
     /// The angle from one to the next.
     pub resolution_deg: f64,
-    /// Readings reach no farther; one of so much saw nothing.
+    /// Readings reach no farther; one of this value saw nothing.
     pub range_m: f64,
 }
 
@@ -40,7 +40,7 @@ impl LaserScanner {
         Some([nearest - 1, nearest, nearest + 1])
     }
 
-    /// The readings to both sides of one, so many apart; none beyond the ends.
+    /// The readings to both sides of one, `aside` readings away; none beyond the ends.
     pub fn to_both_sides(&self, reading: usize, aside: usize) -> Option<[usize; 2]> {
         if self.goes_around() {
             let count = self.readings;

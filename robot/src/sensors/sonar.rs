@@ -26,7 +26,7 @@ impl SonarMount {
 /// How the sonars of a robot are mounted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SonarLayout {
-    /// So many on a ring, evenly spread: the first looks ahead, the others follow counter-clockwise.
+    /// A number of sonars on a ring, evenly spread: the first looks ahead, the others follow counter-clockwise.
     ///
     /// # Deviation
     /// The cones of a real ring start on its rim. Here they start in its middle, as in the look-up of
@@ -58,7 +58,7 @@ pub struct SonarArray {
     pub mounts: Vec<SonarMount>,
     /// Opening of a cone.
     pub cone_rad: f64,
-    /// Echoes from farther away are not heard; a reading of so much heard nothing.
+    /// Echoes from farther away are not heard; a reading of this value heard nothing.
     pub range_m: f64,
     /// The cones, by where they start.
     pub apexes: Vec<SonarApex>,

@@ -52,7 +52,7 @@ const WAIST_M: f64 = 0.9;
 /// ... and the jacket.
 const NECK_M: f64 = 1.45;
 
-/// Of the brightness of the floor so much differs from spot to spot, up or down.
+/// The share by which the floor's brightness differs from spot to spot, up or down.
 const FLOOR_GRAIN: f64 = 0.06;
 
 /// Spots of the floor are so large.
@@ -64,7 +64,7 @@ const LAMPS_M: f64 = 3.0;
 /// The brightness at a lamp: from a bulb that has failed to a window.
 const BRIGHTNESS: [f64; 2] = [0.4, 1.2];
 
-/// By so much of it light may be warmer or colder: more red and less blue, or the other way round.
+/// The share by which light may be warmer or colder: more red and less blue, or the other way round.
 const WARMTH: f64 = 0.15;
 
 /// What a world looks like.

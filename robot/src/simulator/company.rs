@@ -27,14 +27,14 @@ pub(super) struct Company {
 }
 
 impl Company {
-    /// That of the so-manieth person: the next one as much farther as room for one takes.
+    /// That of the nth person: the next one as much farther as room for one takes.
     pub fn of(number: usize) -> Self {
         let area_m2 = number as f64 / PER_M2;
         let distance_m = (NEAREST_M * NEAREST_M + area_m2 / (2.0 * FLANK_RAD)).sqrt();
         Self { flank_rad: number as f64 * GOLDEN % 1.0 * 2.0 * FLANK_RAD, distance_m }
     }
 
-    /// The spots so far away at the so-manieth of the angles that are tried in turn, on the left and on the right of a
+    /// The spots at its distance and at the nth of the angles that are tried in turn, on the left and on the right of a
     /// robot: nobody needs to walk when it turns round.
     pub fn spots_in_map(&self, robot_in_map: Pose, number: usize) -> [Point; 2] {
         let on_rad = number as f64 * GOLDEN % 1.0 * 2.0 * FLANK_RAD;

@@ -20,7 +20,7 @@ const COMFORTABLE_M: f64 = 0.6;
 /// Distance between the spots of a hallway, or of a floor without names, that people walk to.
 const SPACING_M: f64 = 3.0;
 
-/// There are at most so many destinations, each of which takes 4 bytes a cell.
+/// The most destinations, each of which takes 4 bytes a cell.
 const MOST_DESTINATIONS: usize = 40;
 
 /// Spots tried for each person at the start, and destinations for the next walk.

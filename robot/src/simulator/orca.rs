@@ -54,7 +54,7 @@ pub(super) fn half_plane(a: Disc, b: Disc, share: f64, horizon_s: f64, step_s: f
     let from_centre2 = from_centre.norm_squared();
     if overlap || towards < 0.0 && towards * towards > radius_m * radius_m * from_centre2 {
         let length = from_centre2.sqrt();
-        // Two in one spot with one velocity may part anywhere, so long as they do.
+        // Two in one spot with one velocity may part anywhere, as long as they do.
         let normal = if length > 0.0 { from_centre / length } else { Vector::new(1.0, 0.0) };
         let change = normal * (radius_m / within_s - length);
         return HalfPlane::beyond(a.velocity_mps + change * share, normal);

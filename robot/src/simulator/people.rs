@@ -9,7 +9,7 @@ use crate::geometry::{Point, Vector, distance_m};
 use crate::world::{Person, Solid, SolidOrigin};
 use rpl_random::Stream;
 
-/// Each person looks up and chooses a velocity in one step of so many, in turn.
+/// Each person looks up and chooses a velocity in one step of this many, in turn.
 const LOOK_STEPS: u64 = 5;
 
 /// How far ahead people avoid one another and the robot.
@@ -18,7 +18,7 @@ const HORIZON_S: f64 = 2.0;
 /// They do not look at people farther off.
 const SIGHT_M: f64 = 3.0;
 
-/// They hurry to get out of the way, up to so much of their speed.
+/// They hurry to get out of the way, at up to this multiple of their speed.
 const HURRY: f64 = 1.3;
 
 /// Air they keep between each other's shoulders.
@@ -37,7 +37,7 @@ const LOOKAHEAD_M: f64 = 0.8;
 /// ... and is looked up anew from here.
 const NEXT_SPOT_M: f64 = 0.3;
 
-/// People of the crowd stay at a goal up to so long.
+/// The longest time for which people of the crowd stay at a goal.
 const LONGEST_REST_S: f64 = 5.0;
 
 /// Their speeds: strolling to brisk.

@@ -90,7 +90,7 @@ pub(super) fn surfaces_of(solid: &Solid, world: Rect) -> Vec<Surface> {
     forms_of(&solid.outline, world).into_iter().map(surface).collect()
 }
 
-/// A disc that the edge of the world cuts has so many corners.
+/// The corners of a disc that the edge of the world cuts.
 const DISC_CORNERS: usize = 64;
 
 /// The surfaces of an outline, as far as they are in the world: what lies beyond its edge is not there, as in its map.

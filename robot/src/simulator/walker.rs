@@ -22,7 +22,7 @@ pub(super) const FARTHEST_WALL_M: f64 = PERSON_RADIUS_M + FASTEST_MPS * WALL_HOR
 /// not stop in front of each other.
 const KEEP_RIGHT: f64 = 0.05;
 
-/// Getting nearer means by so much.
+/// The least distance that counts as getting nearer.
 const PROGRESS_M: f64 = 0.1;
 
 /// Where a person is, and where to.

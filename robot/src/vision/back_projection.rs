@@ -5,7 +5,7 @@ use super::histogram::{Histogram, bin};
 use crate::sensors::CameraImage;
 use std::ops::Range;
 
-/// A pixel belongs to the model if its neighbourhood tells so much of it, from 0 to 1.
+/// The least that the neighbourhood of a pixel of the model tells of it, from 0 to 1.
 const LEAST_TOLD: f64 = 0.4;
 
 /// Pixels beside each other that belong to the model.

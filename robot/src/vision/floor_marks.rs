@@ -35,11 +35,11 @@ pub struct FloorSighting {
 /// A blob of fewer pixels says nothing of its shape.
 const FEWEST_PIXELS: usize = 4;
 
-/// A sheet may be cut by what stands before it, and pixels at its edge are of two colours: of its true area
-/// so much is seen, from and to.
+/// A sheet may be cut by what stands before it, and pixels at its edge are of two colours: the least and the greatest
+/// share of its true area that is seen.
 const AREA: [f64; 2] = [0.2, 1.7];
 
-/// It is at most so much longer than it should be, beside what a pixel more at each end makes.
+/// How many times its true length it is at most, beside what a pixel more at each end makes.
 const LENGTH: f64 = 1.5;
 
 /// Two sheets and their edges at most are in view at once, as near as can be.

@@ -63,7 +63,7 @@ impl Histogram {
         histogram
     }
 
-    /// The same proportions with so many pixels in all; an empty one stays empty.
+    /// The same proportions with another number of pixels in all; an empty one stays empty.
     #[must_use]
     pub fn scaled_to(&self, pixels: f64) -> Self {
         let all: f64 = self.counts.iter().sum();

@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Speed for each radian that the camera is off: it is there after about three tenths of a second.
 const PROPORTIONAL_PER_S: f64 = 8.0;
 
-/// Of the speed at which the error changes so much is added, to stop in time and to lead where the robot
-/// turns.
+/// The share of the speed at which the error changes that is added, to stop in time and to lead where the robot turns.
 const DERIVATIVE: f64 = 0.35;
 
 /// What it remembers from step to step.

@@ -24,8 +24,8 @@ impl OccupancyGrid {
     }
 }
 
-/// The occupied cells as rectangles: runs along x, of which equal ones above each other are one. Of so many that there are
-/// more than `most` only the first rows.
+/// The occupied cells as rectangles: runs along x, of which equal ones above each other are one. Where there are more
+/// than `most`, only the first rows.
 pub(super) fn blocks(map: &OccupancyGrid, most: usize) -> Vec<Rect> {
     let corner =
         |column: usize, row: usize| map.origin_in_frame + Vector::new(column as f64, row as f64) * map.resolution_m;

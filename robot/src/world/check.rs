@@ -219,7 +219,7 @@ pub(super) fn landmark_names(reader: &mut Reader, landmarks: &[Placed<'_, '_, La
 /// A sheet hangs on a face that is at most so far off ...
 const OFF_FACE_M: f64 = 0.02;
 
-/// ... and turned by at most so much.
+/// ... and turned by at most this angle.
 const OFF_FACE_RAD: f64 = 2.0 / 180.0 * std::f64::consts::PI;
 
 /// The face of a wall, from one end to the other, and where it looks.

@@ -34,9 +34,9 @@ impl<'w> CloseUp<'w> {
         close_up
     }
 
-    /// A grid of so many columns and rows with its lower left corner at a point: what is occupied and what is not
-    /// known, as [`World::map`] has it, but that floor nobody gets to is free. Cost: cells, and cells of the bodies in
-    /// it.
+    /// A grid of a given number of columns and rows with its lower left corner at a point: what is occupied and what is
+    /// not known, as [`World::map`] has it, but that floor nobody gets to is free. Cost: cells, and cells of the bodies
+    /// in it.
     pub fn draw(&self, corner_in_map: Point, resolution_m: f64, columns: usize, rows: usize) -> OccupancyGrid {
         let mut grid = OccupancyGrid::filled(corner_in_map, resolution_m, columns, rows, Cell::Free);
         let size = Vector::new(columns as f64, rows as f64) * resolution_m;

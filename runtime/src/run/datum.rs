@@ -125,7 +125,7 @@ fn list_of(heap: &mut Heap, tree: &Tree, node: NodeId, mut items: Vec<Value>, or
 /// Nodes that a datum may become.
 pub(crate) const MAX_NODES: usize = 1_000_000;
 
-/// So many bytes of a text or a name count as a node: it is written once more with the datum.
+/// This many bytes of a text or a name count as a node: it is written once more with the datum.
 const BYTES_OF_A_NODE: usize = 64;
 
 /// Why a value cannot be a node.

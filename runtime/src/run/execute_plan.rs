@@ -96,7 +96,7 @@ impl<O: Outside> System<O> {
         self.compile_unit(Datum { tree, root, objects, most: most - nodes }, &text, key, steps)
     }
 
-    /// A datum as a tree of at most so many parts, with the objects in it.
+    /// A datum as a tree of at most `most` parts, with the objects in it.
     fn tree_of(
         &mut self,
         datum: Value,

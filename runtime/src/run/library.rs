@@ -256,7 +256,7 @@ impl Library {
         MacroMachine::new(program, self.natives.clone(), self.signatures.clone())
     }
 
-    /// Compiles a datum into a program that runs; its macros may make so many parts.
+    /// Compiles a datum into a program that runs; its macros may make `most` parts.
     pub(crate) fn compile_datum(
         &self,
         program: &mut Program,

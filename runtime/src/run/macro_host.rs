@@ -62,7 +62,7 @@ impl MacroMachine {
         host
     }
 
-    /// Begins another text of a run with so much memory: it has a budget of its own.
+    /// Begins another text of a run with `memory_bytes` of memory: it has a budget of its own.
     pub(crate) fn begin(&mut self, program: &Program, memory_bytes: usize) {
         self.steps = 0;
         self.machine.bring_up_to(program, &[]);

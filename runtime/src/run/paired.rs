@@ -41,7 +41,7 @@ impl Paired {
         Self::of(&[differences, &[MOST, -MOST]].concat())
     }
 
-    /// Whether it is better by a margin that lies so many standard errors away from the mean difference.
+    /// Whether it is better by a margin that lies `standard_errors` standard errors away from the mean difference.
     pub fn verdict(self, margin: f64, standard_errors: f64) -> Verdict {
         let reach = standard_errors * self.error;
         if self.mean - reach > margin {

@@ -37,7 +37,7 @@ const STEPS_OF_A_RUN: u64 = 5_000_000;
 /// Instants of a projected run before it is given up.
 const INSTANTS_OF_A_RUN: u64 = 1_000_000;
 
-/// Plans are compared by so many runs at first, if one does not tell all; then by twice as many.
+/// The runs by which plans are compared at first, if one does not tell all; then twice as many.
 const FIRST_RUNS: u32 = 8;
 
 /// Why there is no answer.

@@ -8,7 +8,7 @@ use rpl_lang::code::Program;
 use rpl_lang::symbol::{Symbol, Symbols};
 use std::collections::BTreeMap;
 
-/// Instants that are projected in a second: so long does thinking take in a run, whatever the machine. It is
+/// Instants that are projected in a second: that is how long thinking takes in a run, whatever the machine. It is
 /// chosen, and not measured on any.
 const INSTANTS_A_SECOND: f64 = 50_000.0;
 
@@ -143,7 +143,7 @@ impl Projection {
         self.runs.iter().all(|run| run.is_certain)
     }
 
-    /// Counts its only run as so many, of which one was thought through.
+    /// Counts its only run as `runs` runs, of which one was thought through.
     pub fn repeat(&mut self, runs: u32) {
         let first = self.runs.first().map(|run| RunEnd { instants: 0, ..run.clone() });
         self.runs.extend(std::iter::repeat_n(first, runs.saturating_sub(1) as usize).flatten());
@@ -177,9 +177,9 @@ impl Projection {
         self.runs.iter().filter(|run| run.is_success).count()
     }
 
-    /// How probable success is and the ends of its 95 % interval, by the distribution that so many successes in so many
-    /// runs leave of it where nothing was known before. The mean is Laplace's rule of succession, (s + 1) / (n + 2):
-    /// a few runs that all succeed do not make it certain.
+    /// How probable success is and the ends of its 95 % interval, by the distribution that the successes in these runs
+    /// leave of it where nothing was known before. The mean is Laplace's rule of succession, (s + 1) / (n + 2): a few
+    /// runs that all succeed do not make it certain.
     fn success(&self) -> [f64; 3] {
         let count = self.runs.len() as f64;
         let successes = self.successes() as f64;

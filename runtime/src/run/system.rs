@@ -74,7 +74,7 @@ pub struct System<O> {
     pub(crate) macros: Macros,
 }
 
-/// So many steps take some ten milliseconds, and switching a task out and in again costs little
+/// This many steps take some ten milliseconds, and switching a task out and in again costs little
 /// beside them, however deep its calls are.
 pub(crate) const SLICE_STEPS: u32 = 1 << 20;
 

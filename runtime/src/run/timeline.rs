@@ -11,8 +11,8 @@ use crate::state::failure::Failure;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A copy is kept when computing has gone on for so long since the last one, so that no replay
-/// takes much longer while there is room.
+/// A copy is kept when computing has gone on for this time since the last one, so that no replay takes much longer
+/// while there is room.
 const COPY_EVERY: Duration = Duration::from_millis(40);
 
 /// An instant in which tasks run is kept from its beginning on when computing has gone on for so
@@ -92,7 +92,7 @@ impl<O: Outside + Clone> Timeline<O> {
         self.copy(system, true);
     }
 
-    /// A new instant has begun, after so much computing since the last one began.
+    /// A new instant has begun, after this time of computing since the last one began.
     pub fn next_instant(&mut self, system: &System<O>, computing: Duration) {
         self.position = TimelinePosition { segment: self.position.segment + 1, step: 0 };
         self.since += computing;
@@ -156,7 +156,7 @@ impl<O: Outside + Clone> Timeline<O> {
         self.since = Duration::ZERO;
     }
 
-    /// The state so many steps before a position, at most the start's; `is_shown` tells which stops
+    /// The state `steps` steps before a position, at most the start's; `is_shown` tells which stops
     /// count as steps. None if `is_given_up` says so on the way.
     pub fn steps_before(
         &self,

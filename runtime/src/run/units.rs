@@ -13,8 +13,7 @@ use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Units are looked through when those made since the last time take so much, or as much as the
-/// others.
+/// Units are looked through when those made since the last time take this many bytes, or as many as the others.
 const MIN_FRESH_BYTES: usize = 1 << 20;
 
 /// Bytes of a unit beside its code and text: its tables, the name of its text, its places in maps.
@@ -85,7 +84,7 @@ impl Units {
         earlier.all.iter().all(|(number, unit)| self.all.get(number) == Some(unit))
     }
 
-    /// Whether it is time to look for units that nothing refers to, where all take so many bytes.
+    /// Whether it is time to look for units that nothing refers to, where all take `bytes` bytes.
     pub(crate) fn are_due(&self, bytes: usize) -> bool {
         self.fresh_bytes > MIN_FRESH_BYTES.max(bytes.saturating_sub(self.fresh_bytes))
     }

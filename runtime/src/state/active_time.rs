@@ -7,6 +7,6 @@ use serde::{Deserialize, Serialize};
 pub enum ActiveTime {
     /// It counts, and ends at this instant unless a suspension comes first.
     Due(u64),
-    /// Its task is suspended, and so many microseconds are left. It has no timer.
+    /// Its task is suspended, and this many microseconds are left. It has no timer.
     Left(u64),
 }

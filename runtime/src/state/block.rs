@@ -1,6 +1,6 @@
 //! What the allocator takes for what is asked of it.
 
-/// What the allocator takes for a block of so many bytes.
+/// What the allocator takes for a block of `bytes` bytes.
 pub(crate) fn block(bytes: usize) -> usize {
     if bytes == 0 { 0 } else { (bytes + 8).next_multiple_of(16).max(32) }
 }

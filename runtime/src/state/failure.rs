@@ -46,7 +46,7 @@ pub enum Raise {
     },
     /// A failure that exists.
     Again(Value),
-    /// So many bytes are wanted at once: a native is called again when there is room for them.
+    /// This many bytes are wanted at once: a native is called again when there is room for them.
     NoRoom(usize),
 }
 

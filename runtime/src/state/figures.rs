@@ -24,7 +24,7 @@ pub struct Comparison {
     /// The standard error of that.
     #[serde(with = "any_number")]
     pub error: f64,
-    /// Whether it is so much better as was asked for.
+    /// Whether the second is better by as much as was asked for.
     pub is_better: bool,
     /// Nothing was left to chance in either plan.
     pub is_certain: bool,

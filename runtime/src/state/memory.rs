@@ -11,13 +11,13 @@ use crate::state::valve::{Below, Waiter};
 use crate::state::valve_line::ValveLine;
 use crate::state::valve_place::Link;
 
-/// Collections come at least so many bytes apart, where there is room.
+/// Collections come at least this many bytes apart, where there is room.
 pub const MIN_THRESHOLD: usize = 8 << 20;
 
 /// Bytes of a new task, its registers not counted.
 pub(crate) const TASK: usize = size_of::<Option<Task>>() + size_of::<u32>();
 
-/// Bytes of a new fluent with so many captured values, and of its slot among the free ones.
+/// Bytes of a new fluent with `captured` captured values, and of its slot among the free ones.
 pub(crate) fn fluent(captured: usize) -> usize {
     size_of::<Option<Fluent>>() + size_of::<u32>() + block(captured * size_of::<Value>())
 }

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A task that prints is switched out when so many lines have not been taken yet, so that an
-/// endless loop that prints is seen and does not fill the memory. It stays at the front of its line.
+/// A task that prints is switched out when this many lines have not been taken yet, so that an endless loop that prints
+/// is seen and does not fill the memory. It stays at the front of its line.
 pub const MAX_WAITING_OUTPUT: usize = 4096;
 
-/// The same for so many bytes of lines.
+/// The same for the bytes of lines.
 pub const MAX_WAITING_OUTPUT_BYTES: usize = 1 << 20;
 
 /// Where a line of output goes.

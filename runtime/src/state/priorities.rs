@@ -200,7 +200,7 @@ impl Priorities {
         }
     }
 
-    /// Gives so many priorities, from the least important one on, ranks at equal distances.
+    /// Gives `count` priorities, from the least important one on, ranks at equal distances.
     fn space_out(&mut self, first: u32, low: u64, distance: u64, count: u64) {
         let mut at = first;
         for turn in 1..=count {

@@ -31,7 +31,7 @@ pub struct RegisterStore {
     free: Vec<Value>,
 }
 
-/// Number and size of the class of blocks for so many values, which are more than none.
+/// Number and size of the class of blocks for `count` values, which are more than none.
 fn class(count: usize) -> (usize, usize) {
     if count <= 2 {
         return (count - 1, count);
@@ -128,7 +128,7 @@ impl RegisterStore {
             })
     }
 
-    /// A block for so many values: the same one if it fits.
+    /// A block for `count` values: the same one if it fits.
     #[inline]
     fn fitted(&mut self, registers: Registers, count: usize) -> Registers {
         let kept = registers.count as usize;
@@ -158,7 +158,7 @@ impl RegisterStore {
         Registers { start, count: count as u32 }
     }
 
-    /// Whether the store is large, and most of it is free when so many values are used.
+    /// Whether the store is large, and most of it is free when `used` values are used.
     pub(crate) fn is_sparse(&self, used: usize) -> bool {
         self.values.len() > 1 << 16 && used * 3 < self.values.len()
     }

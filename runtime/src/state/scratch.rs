@@ -16,7 +16,7 @@ pub(crate) struct Cursor {
 }
 
 impl Cursor {
-    /// So many steps in slices.
+    /// With `steps` steps, taken in slices.
     pub(crate) fn new(frame: Frame, steps: u32, slice: u32) -> Self {
         let fuel = steps.min(slice);
         Self { frame, fuel, reserve: steps - fuel }

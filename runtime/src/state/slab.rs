@@ -140,7 +140,7 @@ impl<T> std::ops::IndexMut<u32> for Slab<T> {
     }
 }
 
-/// Whether a list names each free one of so many slots once.
+/// Whether a list names each free one of `slots` slots once.
 fn is_free_list(free: &[u32], slots: usize, is_free: impl Fn(usize) -> bool) -> bool {
     let mut seen = Marks::new(slots);
     let all_free = free.iter().all(|&index| (index as usize) < slots && is_free(index as usize) && seen.set(index));

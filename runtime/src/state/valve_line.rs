@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub struct Turn {
     /// The priority asked with.
     pub priority: u32,
-    /// The how manieth request of the valve it was.
+    /// The number of the request among those of the valve.
     pub asked: u64,
 }
 

@@ -12,22 +12,22 @@ use rpl_lang::kind::Kind;
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
-/// So much text is made, or looked through, in the time of one turn of a loop.
+/// Text that is made, or looked through, in the time of one turn of a loop.
 const CHARACTERS_A_STEP: usize = 8;
 
 /// Bytes that are kept from a text that was written for the next one, at most.
 const MAX_DRAFT: usize = 1 << 16;
 
-/// So many pairs are passed in the time of one turn of a loop.
+/// Pairs that are passed in the time of one turn of a loop.
 const PAIRS_A_STEP: usize = 4;
 
-/// The steps of making, or looking through, so much text.
+/// The steps of making, or looking through, `bytes` bytes of text.
 #[inline]
 pub(crate) fn text_steps(bytes: usize) -> usize {
     bytes / CHARACTERS_A_STEP
 }
 
-/// The steps of passing so many pairs.
+/// The steps of passing `pairs` pairs.
 pub(crate) fn walk_steps(pairs: usize) -> usize {
     pairs / PAIRS_A_STEP
 }
@@ -161,12 +161,12 @@ impl Call<'_, '_> {
         *burned = burned.saturating_add(u32::try_from(steps).unwrap_or(u32::MAX));
     }
 
-    /// Takes the steps of making, or looking through, so much text.
+    /// Takes the steps of making, or looking through, `bytes` bytes of text.
     pub fn burn_text(&mut self, bytes: usize) {
         self.burn(text_steps(bytes));
     }
 
-    /// Takes the steps of passing so many pairs.
+    /// Takes the steps of passing `pairs` pairs.
     pub fn burn_walk(&mut self, pairs: usize) {
         self.burn(walk_steps(pairs));
     }

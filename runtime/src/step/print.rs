@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// Text longer than this is cut, so that a circular list prints.
 const MAX_CHARACTERS: usize = 1 << 20;
 
-/// A value in the message of a failure is cut behind so many characters.
+/// A value in the message of a failure is cut behind this many characters.
 const LONGEST_IN_MESSAGE: usize = 200;
 
 enum ToPrint {

@@ -122,7 +122,7 @@ pub fn open(path: &Path) -> Result<File, String> {
     Ok(file)
 }
 
-/// The bytes of a file, at most so many: what is read may be a pipe or a device without an end.
+/// The bytes of a file, at most `most`: it may be a pipe or a device without an end.
 ///
 /// # Errors
 /// One clause that says why not.

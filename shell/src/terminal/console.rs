@@ -134,7 +134,7 @@ impl Console {
         self.explain_hanging(text, layout::HANGING)
     }
 
-    /// The same, with what does not fit so much further in.
+    /// The same, with what does not fit `hanging` columns further in.
     ///
     /// # Errors
     /// The pipe is closed, or the disk is full.

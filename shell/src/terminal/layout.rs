@@ -8,9 +8,9 @@ pub const HANGING: usize = 4;
 /// Help is never wider, however wide the terminal.
 pub const HELP_COLUMNS: usize = 100;
 
-/// A text whose lines fit a width. A longer line goes on below, so much further in than it begins,
-/// and is broken between words, or at a `/` where one word alone is too long. A drawing is cut off.
-/// Laid out once more, nothing changes.
+/// A text whose lines fit a width. A longer line goes on below, some columns further in than it begins, and is broken
+/// between words, or at a `/` where one word alone is too long. A drawing is cut off. Laid out once more, nothing
+/// changes.
 pub fn within(text: &str, width: usize, hanging: usize) -> String {
     let lines: Vec<String> = text.split('\n').map(|line| line_within(line, width, hanging)).collect();
     lines.join("\n")

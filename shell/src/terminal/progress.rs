@@ -4,7 +4,7 @@ use super::console::Console;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 
-/// A bar of a template of `indicatif`, for so many parts; nobody sees it where there is no terminal.
+/// A bar of a template of `indicatif`, for `parts` parts; nobody sees it where there is no terminal.
 pub fn bar(parts: u64, template: &str, console: &Console) -> ProgressBar {
     let is_shown = !console.quiet && io::stderr().is_terminal();
     let target = if is_shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

@@ -5,7 +5,7 @@ use rpl_lang::compile::{Loader, NoFiles};
 use rpl_runtime::run::system::{Progress, System};
 use std::collections::BTreeMap;
 
-/// A macro that uses itself twice, so many times.
+/// A macro that uses itself twice, to a given depth.
 const DOUBLING: &str = "(defmacro twice (n) (if (= n 0) 1 (list 'progn (list 'twice (- n 1)) (list 'twice (- n 1)))))";
 
 fn faults(text: &str) -> String {

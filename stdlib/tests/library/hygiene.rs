@@ -101,7 +101,7 @@ fn qualified(text: &str, names: &BTreeSet<String>) -> String {
     heads.collect::<Vec<_>>().join("(").replace("plan) (library:when", "plan) (when")
 }
 
-/// A form with names bound around it; a function has room for so many variables only.
+/// A form with names bound around it; a function has room for a limited number of variables.
 fn bound(names: &[&str], form: &str) -> String {
     names.chunks(100).fold(form.to_string(), |form, names| {
         let bindings: Vec<String> = names.iter().map(|name| format!("({name} 'captured)")).collect();

@@ -1,4 +1,4 @@
-//! Values of all children, and so many children at a time.
+//! Values of all children, and a limited number of children at a time.
 
 use crate::evaluate::{check, check_failures};
 

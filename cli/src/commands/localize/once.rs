@@ -16,7 +16,7 @@ use rpl_shell::terminal::page::Block;
 use serde_json::json;
 use std::time::Instant;
 
-/// Compares so many scans, evenly spread over the drive, with the map.
+/// Compares `count` scans, evenly spread over the drive, with the map.
 ///
 /// # Errors
 /// The map has no free cell, or the result cannot be written.

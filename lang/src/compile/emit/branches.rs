@@ -9,7 +9,7 @@ use crate::stack::deep;
 /// Conditions that nest no deeper than this may be emitted twice.
 const MOST_REPEATED: usize = 5;
 
-/// So many constants have registers at most while a function is in a loop.
+/// The most constants that have registers while a function is in a loop.
 const MOST_LITERALS: usize = 8;
 
 impl Emitter<'_, '_> {

@@ -11,7 +11,7 @@ impl Emitter<'_, '_> {
         if is_free { into } else { self.fresh() }
     }
 
-    /// What a function is known to do with a slot, given so many arguments. A program can still define it anew.
+    /// What a function is known to do with a slot, given `count` arguments. A program can still define it anew.
     fn slot_access(&self, global: u32, count: u8) -> Option<SlotAccess> {
         let program = &self.compiler.program;
         let GlobalKind::Function(code) = program.globals[global as usize].kind else { return None };

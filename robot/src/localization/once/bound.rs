@@ -20,7 +20,7 @@ const SHORT: u8 = 12;
 /// An echo that did not come.
 const MISSED: u8 = 16;
 
-/// So many beams are summed up in a byte.
+/// The beams that are summed up in a byte.
 const SUMMED: usize = u8::MAX as usize / UNEXPLAINED as usize;
 
 /// The beams of a scan that are searched with, at the most.

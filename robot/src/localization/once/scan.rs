@@ -102,7 +102,7 @@ impl Scan {
     }
 }
 
-/// Beams within so many degrees count as one: they meet the same wall and the same people, and what is missing in the map.
+/// Beams within this angle count as one: they meet the same wall and the same people, and what is missing in the map.
 const ALIKE_DEG: i64 = 9;
 
 /// The same for cones.

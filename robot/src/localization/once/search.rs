@@ -55,7 +55,7 @@ struct Sector {
 }
 
 impl ScanLocator {
-    /// All blocks and headings that cost at most so much more than the best pose found.
+    /// All blocks and headings that cost more than the best pose found by no more than a margin.
     ///
     /// # Method
     /// Branch and bound as Olson, "Real-time correlative scan matching", 2009, and Hess et al., "Real-time loop closure in

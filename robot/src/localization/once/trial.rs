@@ -19,7 +19,7 @@ pub const RIGHT_RAD: f64 = 15.0 / 180.0 * std::f64::consts::PI;
 const PERSON_M: f64 = 0.25;
 const PERSON_OFF_M: [f64; 2] = [0.6, 3.0];
 
-/// After so many who would stand in something nobody else comes.
+/// After this many who would stand in something nobody else comes.
 const MOST_PEOPLE: usize = 400;
 
 /// A sensor that scans.

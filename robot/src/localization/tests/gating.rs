@@ -97,7 +97,7 @@ fn the_novelty_filter_leaves_out_just_the_readings_that_are_probably_shorter_tha
 }
 
 /// How many readings of a scan from the middle of the room, where walls are far enough for somebody to stand before them,
-/// are left out, and for whom: half of them are short, and the others are off by so much.
+/// are left out, and for whom: half of them are short, and the others are off by `others_m`.
 fn half_short(model: &LocalizationModel, others_m: f64, certainty: f64, crowd: &mut Crowd) -> (usize, Company) {
     let (short, sensor) = (ShortReadings::default(), &model.sensors[0]);
     let expected = model.expected_scan(0, model.state_at(Pose::new(2.5, 2.1, 0.3)).expect("on the map"));

@@ -284,7 +284,7 @@ fn a_belief_made_anew_has_the_densities_of_the_coarse_one() {
         let away = |plane: usize| wrap_angle_rad(other.heading_rad(coarse, plane) - heading_rad).abs();
         let plane = (0..coarse.grid.headings).min_by(|&a, &b| away(a).total_cmp(&away(b))).expect("a plane");
         let (x, y) = coarse.grid.fractional(point);
-        // The likeliest of the cells whose middles are within so many cells along x and y.
+        // The likeliest of the cells whose middles are within `across` and `up` cells along x and y.
         let likeliest = |across: f64, up: f64| -> f64 {
             let cells = states(coarse).into_iter().filter(|state| state.heading == plane).filter(|state| {
                 let place = coarse.grid.place(state.column, state.row);

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The odometry of a drive, with jumps by so much at some steps.
+/// The odometry of a drive, with jumps by these angles at these steps.
 fn jumping(drive: &[(Pose, Vec<f32>)], jumps_rad: &[(usize, f64)]) -> Vec<Pose> {
     let (mut before, mut odometry) = (Pose::default(), Pose::default());
     let step = |(step, (exact, _)): (usize, &(Pose, Vec<f32>))| {

@@ -14,7 +14,7 @@ fn wide() -> OccupancyGrid {
     map
 }
 
-/// How far off the heading is at the worst, and how sure the robot is then, while it turns so often by a quarter.
+/// How far off the heading is at the worst, and how sure the robot is then, while it makes `quarters` quarter turns.
 fn worst(parameters: LocalizationParameters, quarters: usize, seed: u64) -> (f64, f64) {
     let model = LocalizationModel::new(&wide(), parameters).expect("it is a map");
     let start = Pose::new(3.92, 4.47, 0.0);

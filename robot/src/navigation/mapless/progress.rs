@@ -2,21 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-/// After so long the robot forgets what holds it up, once, and begins anew: what it forgets is new to
+/// After this time the robot forgets what holds it up, once, and begins anew: what it forgets is new to
 /// it afterwards.
 const ANEW_S: f64 = 15.0;
-/// The time a way takes that turned out to be longer: at this speed, and at most so much.
+/// The time a way takes that turned out to be longer: at this speed, and at most this time.
 const DETOUR_MPS: f64 = 0.2;
 const DETOUR_S: f64 = 120.0;
-/// Getting nearer means by so much.
+/// The least distance that counts as getting nearer.
 const PROGRESS_M: f64 = 0.1;
-/// Something new means so many cells.
+/// The least number of cells that counts as something new.
 const NEW_CELLS: u64 = 20;
 
 /// The nearest the robot has come by the way it knew, and what it had seen by then.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct SeenProgress {
-    /// So long without getting nearer or seeing anything new is blocked.
+    /// The time without getting nearer or seeing anything new that counts as blocked.
     patience_s: f64,
     least_cost_m: Option<f64>,
     seen_cells: u64,

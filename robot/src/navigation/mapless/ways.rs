@@ -12,7 +12,7 @@ use crate::sensors::RangeSensor;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The way ahead is looked at so often.
+/// Time between two looks at the way ahead.
 const LOOK_S: f64 = 0.5;
 /// What is so near to the robot does not obstruct its way: it is there already.
 const HERE_M: f64 = 0.4;

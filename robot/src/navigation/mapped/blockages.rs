@@ -3,13 +3,13 @@
 use crate::geometry::{Point, distance_m};
 use serde::{Deserialize, Serialize};
 
-/// They are planned around for so long, or until they are seen to be gone: a way around them may lead
+/// They are planned around for this time, or until they are seen to be gone: a way around them may lead
 /// out of sight of them.
 const BLOCKAGE_S: f64 = 90.0;
 /// From so near what stands at a blockage is seen, as a point at most so far off.
 const BLOCKAGE_SIGHT_M: f64 = 1.0;
 pub(super) const BLOCKAGE_OFF_M: f64 = 0.2;
-/// And edges of their cells are so long.
+/// And the length of their cells' edges.
 const BLOCKAGE_GRAIN_M: f64 = 0.1;
 
 /// An unmapped obstacle the planner is to avoid for a while.

@@ -6,7 +6,7 @@ use crate::planning::{CostToGo, PlannerModel};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// At most so many are kept, and at most so many bytes of them.
+/// The most that are kept, and the most bytes of them.
 const MOST_KEPT: usize = 128;
 const MOST_BYTES: usize = 32 << 20;
 

@@ -16,7 +16,7 @@ use crate::world::TravelMode;
 const LOOKAHEAD_M: f64 = 2.0;
 /// And no nearer than this: towards a corner at its side the robot would turn to and fro.
 const AT_HAND_M: f64 = 0.3;
-/// So long without a way in the map is unreachable; the estimate may be wrong for a moment.
+/// The time without a way in the map that counts as unreachable; the estimate may be wrong for a moment.
 const UNREACHABLE_S: f64 = 1.0;
 /// The way ahead is checked for unmapped obstacles this often.
 const LOOK_S: f64 = 0.5;

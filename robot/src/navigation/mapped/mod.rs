@@ -53,7 +53,7 @@ struct InterruptedDrive {
     at: (Pose, Pose),
 }
 
-/// A robot that wanted its sonars in a doorway wants them at least for so long.
+/// The least time for which a robot that wanted its sonars in a doorway wants them.
 const SEEING_IN_DOOR_S: f64 = 1.0;
 /// A robot that was interrupted is in the same place if the estimate differs from the odometry since by no more than
 /// what that may have erred.
@@ -61,7 +61,7 @@ const SAME_PLACE_M: f64 = 1.5;
 const SAME_PLACE_RAD: f64 = 0.8;
 /// Somebody who stands in the way goes on sooner than this.
 const HELD_UP_S: f64 = 15.0;
-/// An estimate that moves so much more than the odometry has jumped.
+/// An estimate that moves this much more than the odometry has jumped.
 const JUMP_M: f64 = 0.4;
 const JUMP_RAD: f64 = 0.5;
 

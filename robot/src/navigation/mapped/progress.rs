@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Every so long without getting nearer the robot forgets what it saw and begins anew.
+/// Each time this has passed without getting nearer, the robot forgets what it saw and begins anew.
 const ANEW_S: f64 = 10.0;
-/// To look for a way around blockages there is so many times the patience, and for the detour at this
+/// To look for a way around blockages the patience is multiplied by this, and for the detour at this
 /// speed besides.
 const SEARCH: f64 = 2.0;
 const DETOUR_MPS: f64 = 0.15;
-/// Getting nearer means by so much.
+/// The least distance that counts as getting nearer.
 const PROGRESS_M: f64 = 0.1;
-/// No step changes the cost of the way left by so much.
+/// No step changes the cost of the way left by this much.
 const LEAP_M: f64 = 0.2;
 /// Who goes on with a goal has its whole way back, and a moment there; so has who finds a door closed.
 const BACK_M: f64 = 0.5;
@@ -19,7 +19,7 @@ const BACK_S: f64 = 5.0;
 /// The nearest the robot has come, by the cost of the way left.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct MapProgress {
-    /// So long without getting nearer is blocked.
+    /// The time without getting nearer that counts as blocked.
     patience_s: f64,
     /// By the way the map shows.
     least_cost_m: Option<f64>,

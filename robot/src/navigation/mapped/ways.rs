@@ -29,7 +29,7 @@ pub(super) struct MapWays {
     costs: Cache<KnownCosts>,
 }
 
-/// After being held up or touched the robot wants its sonars for so long.
+/// How long the robot wants its sonars after being held up or touched.
 const SEEING_S: f64 = 5.0;
 /// An obstacle point this far from all obstacles of the map is unmapped ...
 const UNMAPPED_M: f64 = 0.3;
@@ -37,7 +37,7 @@ const UNMAPPED_M: f64 = 0.3;
 const UNMAPPED_FELT_M: f64 = 0.15;
 /// Readings up to this are sharp enough to plan around.
 const SHARP_RANGE_M: f64 = 1.5;
-/// Where there is no way around them, blockages or closed doors are not planned around for so long.
+/// How long blockages or closed doors are not planned around where there is no way around them.
 const TRUSTING_MAP_S: f64 = 5.0;
 
 impl MapWays {

@@ -41,7 +41,7 @@ const HOLDING: usize = fluent_number(FLUENTS, "holding*");
 const BATTERY: usize = fluent_number(FLUENTS, "battery*");
 const MESSAGES: usize = fluent_number(FLUENTS, "messages*");
 
-/// In doorways the sonars fire in one step of so many.
+/// In doorways the sonars fire in one step of this many.
 ///
 /// # Deviation
 /// Beetz et al. (§3.1) switch the sonars off in doorways, because in a narrow opening they hear one

@@ -32,7 +32,7 @@ const LOST: &str = "position-lost*";
 /// How much farther odometry errs than it should.
 const SLIP: &str = "odometry-slip*";
 
-/// Odometry that errs so many times as far as it should is reported ...
+/// Odometry that errs this many times as far as it should is reported ...
 const REPORTED_SLIP: f64 = 3.0;
 
 /// ... once, until it errs less than this.
@@ -41,7 +41,7 @@ const USUAL_SLIP: f64 = 1.5;
 /// How much of what is seen is not in the map.
 const MISFIT: &str = "map-misfit*";
 
-/// A map of which so much is otherwise is reported ...
+/// A map that differs by this share is reported ...
 const REPORTED_MISFIT: f64 = 0.1;
 
 /// ... once, until it is less than this.

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A place of a large building is tried with so many others, spread over it.
+/// How many others, spread over a large building, a place of it is tried with.
 const MOST_GOALS: usize = 30;
 
 fn place_pairs(world: &World) -> Vec<(&Place, &Place)> {

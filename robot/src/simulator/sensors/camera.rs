@@ -108,7 +108,7 @@ impl<'m> Sheet<'m> {
         Self { landmark, middle, facing, before_m: -facing.dot(&middle) }
     }
 
-    /// How far off the sheet is along a line of sight that ends after so much, if the sheet is in it.
+    /// How far off the sheet is along a line of sight that ends at `ends_m`, if the sheet is in it.
     fn range_m(&self, line: &Line, camera_m: f64, ends_m: f64) -> Option<f64> {
         let towards = -self.facing.dot(&line.direction);
         if towards <= 0.0 {

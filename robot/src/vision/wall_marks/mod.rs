@@ -25,17 +25,17 @@ pub struct WallMark {
 const FEWEST_ROWS: f64 = 4.0;
 const FEWEST_COLUMNS: usize = 3;
 
-/// A sheet that is seen aslant is narrower, by so much at most; and edges may be a pixel off.
+/// The least share of its width that a sheet seen aslant shows; and edges may be a pixel off.
 const NARROWEST: f64 = 0.25;
 
 /// The pixels between its edges are nearly all of the sheet.
 const FILLED: f64 = 0.75;
 
-/// Its middle is at its height to so much, and so much more for each metre it is off.
+/// Its middle is at its height to within this, and this much more for each metre it is off.
 const AT_HEIGHT_M: f64 = 0.05;
 const AT_HEIGHT_PER_M: f64 = 0.03;
 
-/// Sheets fill at most so much of an image.
+/// The most of an image that sheets fill.
 const IN_VIEW: f64 = 0.5;
 
 impl WallMark {

@@ -5,7 +5,7 @@ use crate::state::value::Value;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::ops::{Deref, DerefMut};
 
-/// So many values need no block of their own.
+/// The most values that need no block of their own.
 const FEW: usize = 2;
 
 /// The values of a closure, as a slice.
@@ -14,7 +14,7 @@ pub struct Captured(Place);
 
 #[derive(Clone, Debug)]
 enum Place {
-    /// Nil behind the first so many.
+    /// The number of values, and the values; nil behind them.
     Inside(u8, [Value; FEW]),
     Outside(Box<[Value]>),
 }

@@ -29,7 +29,7 @@ pub enum KeyPart {
     Str(Arc<str>),
     /// A pair: the parts of its halves follow.
     Pair,
-    /// A vector of so many elements, whose parts follow.
+    /// A vector of this many elements, whose parts follow.
     Vector(u32),
     /// Any other object, by identity.
     Object(u8, u32, u32),
@@ -82,7 +82,7 @@ fn spread(number: u64, kind: u64) -> u64 {
     (product >> 64) as u64 ^ product as u64
 }
 
-/// So many bits of an integer tell neighbours apart.
+/// The bits of an integer that tell neighbours apart.
 const NEAR_BITS: u32 = 6;
 
 /// The hash of an integer. Keys are often neighbours, and are then made and asked for in turn; in a table, which looks where

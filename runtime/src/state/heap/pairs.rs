@@ -24,7 +24,7 @@ const FREE: Tail = Tail(END.0 + 1);
 /// The next place; added to this, how many pairs lie in a row behind this one.
 const ROW: u32 = u32::MAX - LONGEST_ROW as u32;
 
-/// So many pairs lie in a row at most: the row in front of a pair has to be counted anew when something else comes to
+/// The most pairs that lie in a row: the row in front of a pair has to be counted anew when something else comes to
 /// follow that.
 const LONGEST_ROW: usize = 256;
 
@@ -119,7 +119,7 @@ impl Pairs {
         }
     }
 
-    /// The pair so many places behind another in its list, if there are so many pairs. One look if they lie in a row.
+    /// The pair `count` places behind another in its list, if there are as many. One look if they lie in a row.
     #[inline]
     pub(super) fn behind(&self, pair: u32, count: usize) -> Option<u32> {
         self.in_row(pair, count).or_else(|| self.walk(pair, count))

@@ -82,7 +82,7 @@ impl Heap {
         Ok(self.first_elements(list, self.length(list)?))
     }
 
-    /// The first so many elements of a list; all, if it has fewer and is no circle.
+    /// The first `count` elements of a list; all, if it has fewer and is no circle.
     pub fn first_elements(&self, list: Value, count: usize) -> Vec<Value> {
         let mut items = Vec::with_capacity(count);
         let mut at = list;

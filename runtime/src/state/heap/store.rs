@@ -243,7 +243,7 @@ impl Heap {
         self.allocated >= self.threshold
     }
 
-    /// Frees what is not marked. A table keeps so many bytes of free room.
+    /// Frees what is not marked. A table keeps `slack` bytes of free room.
     pub fn sweep(&mut self, marks: &HeapMarks, slack: usize) {
         self.pairs.sweep(&marks.pairs, slack);
         let mut freed = 0;

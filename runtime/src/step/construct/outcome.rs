@@ -283,7 +283,7 @@ fn verdict_at_end(children: Children) -> Verdict {
     }
 }
 
-/// What to say if so many children that have succeeded or still can, of so many, are too few.
+/// What to say if `left` children of `total`, those that have succeeded or still can, are too few.
 pub(super) fn shortfall(quorum: Quorum, left: usize, total: usize) -> Option<String> {
     match quorum.successes {
         Successes::Count(count) if left < count as usize => Some(match quorum.values {

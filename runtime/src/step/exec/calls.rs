@@ -16,8 +16,8 @@ use rpl_lang::suggest::suggest;
 use std::borrow::Cow;
 
 impl Limits {
-    /// So many frames are allowed at least, wherever they start: each takes the next one's registers along,
-    /// and so does each evaluation of a network.
+    /// The fewest frames that are allowed, wherever they start: each takes the next one's registers along, and so does
+    /// each evaluation of a network.
     #[inline]
     pub(crate) fn frames_anywhere(&self) -> usize {
         const _: () = assert!(size_of::<Frame>() + WINDOW * size_of::<Value>() <= 2 * 4096);
@@ -25,7 +25,7 @@ impl Limits {
         by_bytes.min(self.frames as usize)
     }
 
-    /// Whether one more frame may start at this register above so many others.
+    /// Whether one more frame may start at this register above `frames` others.
     ///
     /// The calls of the running task take a quarter of the memory at most, beside the data.
     #[inline]
@@ -170,7 +170,7 @@ impl Machine {
         self.scratch.stack[base + from..base + to].fill(Value::Nil);
     }
 
-    /// Calls a native with so many arguments in the registers from one on.
+    /// Calls a native with a number of arguments in the registers from one on.
     #[inline]
     pub(super) fn call_native_at(
         &mut self,

@@ -87,7 +87,7 @@ impl Machine {
         self.leave_off(around, task, place, exit, steps)
     }
 
-    /// Lays aside what ran and had so many steps left at first, as far as its exit asks for.
+    /// Lays aside what ran and had `steps` steps left at first, as far as its exit asks for.
     #[inline]
     fn leave_off(&mut self, around: &mut Surroundings<'_>, task: u32, place: Cursor, exit: Exit, steps: u32) -> Ran {
         // One that ran out of its limit has got it anew.

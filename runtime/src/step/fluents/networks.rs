@@ -21,8 +21,8 @@ fn is_same(one: &[u32], other: &[u32]) -> bool {
     }
 }
 
-/// After so many evaluations for one change, or so many for each fluent if there are more of these,
-/// networks count as computed from themselves.
+/// After this many evaluations for one change, or this many for each fluent if there are more of these, networks count
+/// as computed from themselves.
 const MAX_EVALUATIONS: usize = 1_000_000;
 
 /// Evaluations of a network for one change, where there are many networks.

@@ -35,7 +35,7 @@ impl Machine {
         self.limits.bytes - self.limits.bytes / RESERVE
     }
 
-    /// Makes sure that so many more bytes may be made while registers below `top` are in use.
+    /// Makes sure that `bytes` more bytes may be made while registers below `top` are in use.
     pub(crate) fn make_room(&mut self, top: usize, bytes: usize) -> Result<(), Raise> {
         if self.used_bytes().saturating_add(bytes) <= self.allowed_bytes() {
             return Ok(());
@@ -61,7 +61,7 @@ impl Machine {
         self.allowed_bytes().saturating_sub(self.used_bytes())
     }
 
-    /// Whether so many more bytes may be made without a collection.
+    /// Whether `bytes` more bytes may be made without a collection.
     pub fn has_room(&self, bytes: usize) -> bool {
         self.used_bytes().saturating_add(bytes) <= self.allowed_bytes()
     }

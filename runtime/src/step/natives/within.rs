@@ -21,7 +21,7 @@ pub(super) const NATIVES: &[Native] = &[Native {
 enum Step {
     /// The element at a position of a list.
     Element(usize),
-    /// What follows so many elements of a list.
+    /// The rest of a list behind this many elements.
     Rest(usize),
     /// An element of a list or vector.
     Position(Value),
@@ -148,7 +148,7 @@ impl Machine {
         }
     }
 
-    /// Asks for so many bytes beside what was made on the way: where there is no room, all is done again when there is.
+    /// Asks for `bytes` bytes beside what was made on the way: where there is no room, all is done again when there is.
     fn ask_room(&self, place: Place<'_>, bytes: usize) -> Result<(), Raise> {
         match self.has_room(bytes) {
             true => Ok(()),
@@ -171,7 +171,7 @@ impl Machine {
         Ok(self.heap.list_with_tail(&before, rest))
     }
 
-    /// The first elements of a list, so many, and what follows them.
+    /// The first `count` elements of a list, and what follows them.
     fn split_list(&self, place: Place<'_>, list: Value, count: usize) -> Result<(Vec<Value>, Value), Raise> {
         if !matches!(list, Value::Nil | Value::Cons(_)) {
             return Err(self.wrong_type("what is assigned within the value of a fluent", Kind::List.noun(), list));

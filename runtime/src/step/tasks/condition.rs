@@ -8,7 +8,7 @@ use crate::step::time::timers::is_current;
 use rpl_lang::code::Program;
 use std::collections::BTreeMap;
 
-/// A condition is told to read at most so many fluents.
+/// The most fluents that a condition is told to read.
 const MAX_READINGS: usize = 64;
 
 /// Fluents computed from fluents are followed so deep.

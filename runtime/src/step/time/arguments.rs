@@ -19,7 +19,7 @@ impl Machine {
         }
     }
 
-    /// The instant so many seconds from now; what lies before now is now.
+    /// The instant a number of seconds from now; what lies before now is now.
     ///
     /// # Errors
     /// A `type-error` if it is no number, an `arithmetic-error` if the clock does not go so far.

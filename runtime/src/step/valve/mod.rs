@@ -43,8 +43,8 @@
 //! A request, a release and a death cost the logarithm of the number of waiters, times the depth of
 //! the task in the tree. To find the first who can have a valve looks at the first in line and at the
 //! first of those below the holder; only while somebody waits for a clean-up to end are there more:
-//! the first in each line, and those of the lines of lenders above the holder who could pre-empt it. A valve with more
-//! places costs so many times as much, and therefore has few.
+//! the first in each line, and those of the lines of lenders above the holder who could pre-empt it. The cost grows in
+//! proportion to the places of a valve, which therefore has few.
 
 mod boost;
 mod hooks;
