@@ -3,6 +3,7 @@
 use super::dead_reckoning::{DeadReckoning, Reckoned};
 use super::drive::{FirstReading, LogError, Recording, ScanGeometry};
 use crate::geometry::Pose;
+use rpl_lang::visible::shortened;
 
 /// Fields of a pose.
 const POSE: usize = 3;
@@ -112,7 +113,7 @@ impl Fields<'_> {
             return Err(self.wrong(format!("the {} line ends before {what}; is it truncated?", self.message)));
         };
         let number: Result<f64, _> = field.parse();
-        number.map_err(|_| self.wrong(format!("{what} must be a number, found `{field}`")))
+        number.map_err(|_| self.wrong(format!("{what} must be a number, found `{}`", shortened(field))))
     }
 
     fn finite(&mut self, what: &str) -> Result<f64, LogError> {

@@ -157,6 +157,7 @@ fn faults_of_a_log_are_told_with_their_line() {
         (after("FLASER 5 1 -2 3 4 5 0 0 0 0 0 0"), "line 153: reading 2 of 5 is -2"),
         (after("FLASER 5 1 2 3 inf 5 0 0 0 0 0 0"), "line 153: reading 4 of 5 is inf"),
         (after("FLASER 5 1 2 x 4 5 0 0 0 0 0 0"), "line 153: reading 3 of 5 must be a number, found `x`"),
+        (after(&format!("FLASER 5 1 2 {} 4 5", "x".repeat(100_000))), " characters) …"),
         (after("FLASER 5 1 2 3 4 5 0 0 0 0 inf 0"), "line 153: y of the odometry must be finite"),
         (after("FLASER 0 0 0 0 0 0 0"), "line 153: the number of readings must be a whole number from 1"),
         (after("FLASER 4 1 2 3 4 0 0 0 0 0 0"), "line 153: 4 readings where earlier scans have 5"),
