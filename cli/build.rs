@@ -14,7 +14,7 @@ fn main() -> io::Result<()> {
 }
 
 /// Crates that are no part of the command.
-const OUTSIDE: [&str; 2] = ["tests", "benches"];
+const OUTSIDE: [&str; 3] = ["tests", "benches", "fuzz"];
 
 /// The checksum of the crates' sources, of the plans that are built in, of the lock file, and of what the compiler and
 /// the target are called: two builds that have it in common give the same run, wherever they were built. How far they
