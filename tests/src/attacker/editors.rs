@@ -1,7 +1,7 @@
 //! The servers of editors and debuggers: messages that are no messages, and a good one after each.
 
+use super::surface::{Judged, Surface};
 use super::victim::{IN_TIME, Victim};
-use super::{Judged, Surface};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use serde_json::{Value, json};

@@ -1,6 +1,6 @@
 //! Forged files and command lines: each is a process of its own with little memory and time.
 
-use super::{Judged, Surface};
+use super::surface::{Judged, Surface};
 use crate::forger::Case;
 use crate::forger::judge::judge;
 use crate::generated::Dice;

@@ -1,7 +1,8 @@
 //! Journals that somebody changed: links in their folder, other files where their trace was, bytes that are damaged.
 
+use super::canary::{look_at_canary, put_canary};
+use super::surface::{Judged, Surface};
 use super::victim::Victim;
-use super::{Judged, Surface, look_at_canary, put_canary};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::fs;

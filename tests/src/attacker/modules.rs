@@ -1,7 +1,7 @@
 //! Modules in other processes that do not keep to the protocol.
 
+use super::surface::{Judged, Surface};
 use super::victim::Victim;
-use super::{Judged, Surface};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::fs;

@@ -1,7 +1,7 @@
 //! The live page of a run that can be steered: attacked by clients without its token.
 
+use super::surface::{Judged, Surface};
 use super::victim::{IN_TIME, Victim};
-use super::{Judged, Surface};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::io::{self, Read, Write};

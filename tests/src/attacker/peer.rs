@@ -1,7 +1,7 @@
 //! Hosts that a mission is sent to, and which mean no good.
 
+use super::surface::{Judged, Surface};
 use super::victim::Victim;
-use super::{Judged, Surface};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::io::{Read, Write};

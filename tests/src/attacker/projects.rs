@@ -1,7 +1,8 @@
 //! Projects that somebody planted above the folder in which the command is started.
 
+use super::canary::{look_at_canary, put_canary};
+use super::surface::{Judged, Surface};
 use super::victim::Victim;
-use super::{Judged, Surface, look_at_canary, put_canary};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::fs::{self, Permissions};

@@ -1,7 +1,7 @@
 //! A simulated robot that waits for missions.
 
+use super::surface::{Judged, Surface};
 use super::victim::{IN_TIME, Victim};
-use super::{Judged, Surface};
 use crate::forger::mangle;
 use crate::generated::Dice;
 use std::io::{BufRead, BufReader, Write};

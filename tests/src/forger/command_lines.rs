@@ -1,6 +1,7 @@
 //! Command lines, put together from what the command knows and what it does not.
 
-use super::{Case, Expected, mangle, plan, text};
+use super::case::{Case, Expected, plan, text};
+use super::mangle;
 use crate::generated::Dice;
 
 const COMMANDS: &[&str] = &[

@@ -1,6 +1,7 @@
 //! Maps: their YAML files and their images, and what is no file at all.
 
-use super::{Case, Content, Expected, mangle, plan, text, words};
+use super::case::{Case, Content, Expected, plan, text, words};
+use super::mangle;
 use crate::generated::Dice;
 use png::{BitDepth, ColorType, Encoder};
 

@@ -1,6 +1,6 @@
 //! Runs a case as a child process with little memory and time, and judges what it says.
 
-use super::{Case, Content, Expected};
+use super::case::{Case, Content, Expected};
 use std::fs;
 use std::io;
 use std::os::unix::ffi::OsStrExt;

@@ -1,6 +1,7 @@
 //! Logs of drives, traces of runs, parameters of the filter.
 
-use super::{Case, Expected, mangle, text, words};
+use super::case::{Case, Expected, text, words};
+use super::mangle;
 use crate::generated::Dice;
 use rpl_robot::localization::LocalizationParameters;
 

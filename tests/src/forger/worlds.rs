@@ -1,6 +1,7 @@
 //! World files.
 
-use super::{Case, Expected, mangle, plan, text, words};
+use super::case::{Case, Expected, plan, text, words};
+use super::mangle;
 use crate::generated::Dice;
 use rpl_robot::world::World;
 
