@@ -5,7 +5,8 @@
 //!
 //! Read in this order:
 //!
-//! - `show`: a run told to a person: lines, causes, tables, drawings;
+//! - `events`: the lines that a run has for a person;
+//! - `show`: a run shown to a person: causes, tables, drawings;
 //! - `onlooker`: what looks on at a run; `observed`: the one that keeps what a run was;
 //! - `mcap`: an onlooker that writes recordings for ROS tools;
 //! - `stopping`: where a run that is stepped through stands still; one rule for the prompt, debuggers and the page;
@@ -15,6 +16,7 @@
 //! - `run_record`: what looks on at a run, writes it down, and steers it;
 //! - `run_driver`: drives a system to its end; `prepared_run`: the same with everything that belongs to it.
 
+pub mod events;
 pub mod hosts;
 pub mod journal;
 pub mod mcap;

@@ -1,7 +1,7 @@
 //! What a run was: where the robot went, what was reported and logged, and how it ended.
 
+use crate::events::{self, LineKind};
 use crate::onlooker::{Happened, Onlooker};
-use crate::show::events::{self, LineKind};
 use anyhow::Result;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::{PositionBelief, Sight};

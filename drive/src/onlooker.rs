@@ -1,6 +1,6 @@
 //! What looks on at a run, and changes nothing of it.
 
-use crate::show::events::ToldLine;
+use crate::events::ToldLine;
 use anyhow::Result;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;

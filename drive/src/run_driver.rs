@@ -1,11 +1,11 @@
 //! Drives a system to its end: output, trace, pace, the status line, and signals from outside.
 
+use crate::events::{self, LineKind};
 use crate::journal::RunJournal;
 use crate::observed::RunEnd;
 use crate::onlooker::Happened;
 use crate::run_record::Records;
 use crate::seen::{SteeredTurn, Steering};
-use crate::show::events::{self, LineKind};
 use crate::show::whereabouts::whereabouts;
 use crate::trace::{TraceFile, TracedPose};
 use rpl_link::journal::ledger::Written;

@@ -1,8 +1,7 @@
 //! A kind of experiment whose types are hidden: how experiments are done is compiled once, and not for each kind.
 
 use super::findings::Findings;
-use super::kind::{ExperimentKind, Run, Tally};
-use super::part::Line;
+use super::kind::{ExperimentKind, Line, Run, Tally};
 use anyhow::Result;
 use std::any::Any;
 use std::sync::Arc;

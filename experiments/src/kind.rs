@@ -3,8 +3,8 @@
 
 use super::findings::Findings;
 use anyhow::Result;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// A run of a series: its number, from 0 on, and its seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,4 +68,15 @@ pub trait ExperimentKind: Send + Sync + 'static {
     fn jobs(&self, asked: usize) -> usize {
         asked
     }
+}
+
+/// A run, as a line of a part has it.
+#[derive(Serialize, Deserialize)]
+pub struct Line<Record> {
+    /// Which one of the series.
+    pub run: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// What is written down of it.
+    pub record: Record,
 }

@@ -2,7 +2,7 @@
 
 use super::intervention::Intervention;
 use anyhow::{Result, anyhow};
-use rpl_drive::show::events::{self, LineKind};
+use rpl_drive::events::{self, LineKind};
 use rpl_drive::show::failure_report::Reporter;
 use rpl_drive::stopping::breakpoint::Breakpoint;
 use rpl_lang::symbol::Symbol;

@@ -2,8 +2,8 @@
 
 use super::channels::{McapFile, Topic};
 use super::conversion as of;
+use crate::events::LineKind;
 use crate::onlooker::{Happened, Onlooker};
-use crate::show::events::LineKind;
 use anyhow::{Context, Result};
 use rpl_mission::robot::Robot;
 use rpl_robot::geometry::Pose;

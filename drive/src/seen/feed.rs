@@ -2,8 +2,8 @@
 
 use super::robot_view::RobotView;
 use super::task_view::{TaskView, cut};
+use crate::events::{LineKind, ToldLine, detail};
 use crate::show::event_line::ROBOT;
-use crate::show::events::{LineKind, ToldLine, detail};
 use crate::trace::TracedPose;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;

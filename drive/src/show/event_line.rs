@@ -1,6 +1,6 @@
 //! An event as a line that a person reads.
 
-use crate::show::events::{detail, report};
+use crate::events::{detail, report};
 use rpl_lang::visible::visible;
 use rpl_runtime::state::trace::{Event, EventKind};
 

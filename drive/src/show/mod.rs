@@ -1,13 +1,12 @@
 //! What a run is shown as: events and failures as lines, causes, drawings.
 //!
-//! Read in this order: `events` and `event_line`; `situation`, `why` and `revision_story` (causes); `whereabouts`,
+//! Read in this order: `event_line`; `situation`, `why` and `revision_story` (causes); `whereabouts`,
 //! `map` and `documentation`; `projection` and `service` (tables); `failure_report` and `summary` (the end); then
 //! `figures`, with `choice_figures` and `place_figures`.
 
 pub mod choice_figures;
 pub mod documentation;
 pub mod event_line;
-pub mod events;
 pub mod failure_report;
 pub mod figures;
 pub mod map;

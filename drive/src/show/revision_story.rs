@@ -1,6 +1,6 @@
 //! Why a task runs the plan it runs: what foresight has decided about it, and who gave it another plan.
 
-use crate::show::events::detail;
+use crate::events::detail;
 use rpl_runtime::state::trace::{Event, EventKind};
 
 /// What an event about the plan of a task tells, as a sentence; nothing if it is about something else.

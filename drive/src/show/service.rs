@@ -1,6 +1,6 @@
 //! How a host was served: what is told on the way, and at the end.
 
-use crate::show::events::report;
+use crate::events::report;
 use anyhow::{Context, Result};
 use rpl_link::tcp_server::{Notice, ServiceRecord};
 use rpl_protocol::guard::{Halt, HaltCounts};

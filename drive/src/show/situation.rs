@@ -2,8 +2,8 @@
 //! who changed which fluent last, and how tasks ended. It is gathered from events; of the living,
 //! the prompt asks its run instead.
 
+use crate::events::detail;
 use crate::show::event_line::ROBOT;
-use crate::show::events::detail;
 use crate::show::revision_story;
 use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_runtime::step::tasks::condition::FluentReading;

@@ -14,17 +14,6 @@ pub mod writer;
 use identity::Input;
 use serde::{Deserialize, Serialize};
 
-/// A run, as it is written down.
-#[derive(Serialize, Deserialize)]
-pub struct Line<Record> {
-    /// Which one of the series.
-    pub run: u64,
-    /// Its seed.
-    pub seed: u64,
-    /// What is written down of it.
-    pub record: Record,
-}
-
 /// The last line of a part.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

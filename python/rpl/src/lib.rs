@@ -5,31 +5,16 @@
 //!
 //! Read in this order: `place`, `module`, `history`, `mission`.
 
+mod fault;
 mod history;
 mod mission;
 mod module;
 mod place;
 
-use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use fault::{SetUpError, wrong};
 use pyo3::prelude::*;
 use rpl_command::embedded;
-use rpl_robot::geometry::Pose;
 use std::ffi::OsString;
-
-create_exception!(rpl.rpl_native, SetUpError, PyValueError, "Plan, world, robot and scenario do not go together.");
-
-/// A pose as Python has it: x and y in metres, the heading in radians.
-type PoseTuple = (f64, f64, f64);
-
-fn tuple(pose: Pose) -> PoseTuple {
-    (pose.x_m, pose.y_m, pose.heading_rad)
-}
-
-/// What was found, where, and what would be right.
-fn wrong(error: anyhow::Error) -> PyErr {
-    SetUpError::new_err(format!("{error:#}"))
-}
 
 /// Does what the command `rpl` does with these words, of which the first is its own name. Answers its exit status.
 #[pyfunction]

@@ -1,9 +1,9 @@
 //! A mission as a Python object.
 
+use crate::fault::wrong;
 use crate::history::{History, Kept};
 use crate::module::{self, Interrupt};
-use crate::place::{self, World};
-use crate::{PoseTuple, tuple, wrong};
+use crate::place::{self, PoseTuple, World, tuple};
 use anyhow::Context;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyRuntimeWarning, PyValueError};

@@ -1,12 +1,21 @@
-//! Worlds and robots as Python objects.
+//! Worlds, robots and poses as Python objects.
 
-use crate::{PoseTuple, tuple, wrong};
+use crate::fault::wrong;
 use pyo3::prelude::*;
 use rpl_command::embedded;
 use rpl_robot::description::RobotDescription;
+use rpl_robot::geometry::Pose;
 use rpl_robot::world;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// A pose as Python has it: x and y in metres, the heading in radians.
+pub type PoseTuple = (f64, f64, f64);
+
+/// The pose as Python has it.
+pub fn tuple(pose: Pose) -> PoseTuple {
+    (pose.x_m, pose.y_m, pose.heading_rad)
+}
 
 /// A robot: what it looks like and can do. The name of a built-in one, or a file; the papers' robot without.
 #[pyclass(frozen, module = "rpl")]

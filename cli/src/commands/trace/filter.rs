@@ -1,6 +1,6 @@
 //! Which events of a trace are shown.
 
-use rpl_drive::show::events::detail;
+use rpl_drive::events::detail;
 use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_shell::arguments::duration::parse_duration_us;
 

@@ -1,7 +1,7 @@
 //! The tasks and fluents a trace names, so that a filter which names another can be told so.
 
 use super::filter::{Filter, concerns, lies_in};
-use rpl_drive::show::events::detail;
+use rpl_drive::events::detail;
 use rpl_lang::suggest::suggest;
 use rpl_mission::modules;
 use rpl_runtime::state::trace::{Event, EventKind};
