@@ -1,6 +1,7 @@
 //! Budgets of steps, and what becomes of tasks that overdraw them.
 
 use crate::state::failure::Raise;
+use crate::state::limits::Spent;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Frame;
@@ -16,11 +17,13 @@ impl Machine {
         if self.current == SCRATCH_TASK { self.limits.steps / EVALUATION_SHARE } else { self.limits.steps }
     }
 
-    /// The place of a task that has spent its budget and gets it once more. What is evaluated without
-    /// a task is not cut.
+    /// The place of a task that has spent its budget and gets it once more, but for what its turn counts: that is handed
+    /// back when a slice ends. What is evaluated without a task is not cut.
     pub(crate) fn budget_anew(&self, around: &Surroundings<'_>, frame: Frame) -> Cursor {
-        let slice = if self.current == SCRATCH_TASK { u32::MAX } else { around.slice_steps };
-        Cursor::new(frame, self.budget(), slice)
+        match self.current == SCRATCH_TASK {
+            true => Cursor::new(frame, self.budget(), u32::MAX),
+            false => Cursor::new(frame, self.budget().saturating_sub(Spent::A_TURN), around.slice_steps),
+        }
     }
 
     /// The running task has spent its slice, and goes on with the same instruction in the next one; or there is none, and

@@ -17,6 +17,7 @@ const BUSY: &[&str] = &[
     "(def-fluent f 0) (let ((task (spawn (loop (incf (value f)) (if (> f 200) (wait-time 1)))))) (wait-time 0.5) (print (value f)) (evaporate task))",
     "(let ((n 0) (end 700)) (loop while (< n end) (setq n (+ n 1))) (dotimes (i 9000 n) (setq n i)))",
     "(sort (lambda (a b) (> a b)) (range 0 200))",
+    "(let ((n 0)) (unwind-protect (seq (with-failure-handling ((runaway (f) n)) (loop (incf n))) (loop (incf n))) (print n)))",
 ];
 
 fn run(text: &str, slice_steps: u32) -> (String, Vec<String>, usize) {
