@@ -217,6 +217,12 @@ fn state(report: &Report, library: &Arc<Library>) {
         };
         per_instant(100_000) - per_instant(1)
     });
+    let small = Question::new("fork-small", "fork a run of ten blocked tasks", "µs", 2.0, "nobody can");
+    report.row(small, || {
+        let system = with_blocked(library, 10);
+        let forks = |()| (0..1_000).for_each(|_| drop(black_box(system.fork())));
+        median_ms(RUNS, || (), forks)
+    });
     let fork = Question::new("fork", "fork the whole state, 100,000 blocked tasks", "ms", 10.0, "nobody can");
     report.row(fork, || {
         let system = with_blocked(library, 100_000);

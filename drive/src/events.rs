@@ -89,6 +89,7 @@ fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, ToldLine)> {
         EventKind::Robot => Some(report(event)),
         EventKind::Behaviour => behaviour(event),
         EventKind::Signal => signal(event),
+        EventKind::Measured => Some(measured(event)),
         // A log line is written anyway, a failure at the end if it matters then.
         _ => None,
     };
@@ -109,6 +110,11 @@ pub fn report(event: &Event) -> String {
         [certainty] if certainty.starts_with("certainty ") => format!("{certainty} – {what}"),
         details => format!("{what}: {}", details.join(", ")),
     }
+}
+
+/// What the plan has measured: "rooms inspected = 4".
+pub fn measured(event: &Event) -> String {
+    format!("{} = {}", visible(detail(event, "measure")), detail(event, "value"))
 }
 
 fn behaviour(event: &Event) -> Option<String> {

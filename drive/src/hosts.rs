@@ -15,7 +15,7 @@ use rpl_protocol::line::{Line, LineFault};
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_protocol::thinking::{ThinkingAnswer, ThinkingLine, ThinkingWords};
 use rpl_protocol::token::Token;
-use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::arguments::site::{SiteArguments, needs_world};
 use rpl_shell::arguments::token::TokenArgument;
 use rpl_shell::files::outputs::OutputFile;
 use rpl_shell::files::robot_files;
@@ -41,7 +41,7 @@ const MOST_THINKING_KEPT: usize = 54_000;
 pub struct HostArguments {
     /// Who moves the robot: a process at this address, such as 127.0.0.1:7300 (`rpl simulate`); the world is
     /// nothing but the map then
-    #[arg(long, value_name = "ADDRESS", requires = "world", conflicts_with = "scenario", value_hint = ValueHint::Hostname)]
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "scenario", value_hint = ValueHint::Hostname)]
     pub host: Option<String>,
     /// Writes all that comes from outside to this file, so that the run can be repeated (`rpl replay`)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -106,6 +106,7 @@ impl HostArguments {
     /// It cannot be reached, or moves another robot than the one of this site.
     pub fn reach(&self, site: &SiteArguments, mission: &str) -> Result<HostSource> {
         match &self.host {
+            Some(_) if site.world.is_none() => bail!(needs_world("--host")),
             Some(address) => {
                 reach(address, robot_files::named(site.robot.as_deref())?.name.clone(), mission, self.token.read()?)
             }

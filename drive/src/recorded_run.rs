@@ -134,9 +134,9 @@ impl RecordedRun {
             set: Vec::new(),
             world: site.world.as_deref().zip(world).map(|(name, world)| RecordedText::of_world(name, world)),
             robot: world.map(|_| RecordedText::of_robot(site.robot.as_deref().unwrap_or_default(), &robot)),
-            map: site.map.name().to_string(),
-            grid: value_name(site.grid),
-            memory_gib: site.memory,
+            map: site.map().name().to_string(),
+            grid: value_name(site.grid()),
+            memory_gib: site.memory_gib(),
             scenario: scenario.transpose()?,
             modules: site.module.iter().map(|name| RecordedText::of_file(name)).collect::<Result<_>>()?,
             seed: site.seed(),
@@ -168,12 +168,19 @@ impl RecordedRun {
     pub fn site(&self) -> Result<SiteArguments> {
         let parsed =
             |what: &str, name: &str| format!("the recording has the {what} `{name}`, which this rpl does not know");
+        let has_world = self.world.is_some();
         let site = SiteArguments {
             world: self.world.as_ref().map(|world| world.name.clone()),
             robot: self.robot.as_ref().map(|robot| robot.name.clone()).filter(|name| !name.is_empty()),
-            map: MapArgument::from_str(&self.map, false).map_err(|_| anyhow!(parsed("map", &self.map)))?,
-            grid: GridArgument::from_str(&self.grid, false).map_err(|_| anyhow!(parsed("grid", &self.grid)))?,
-            memory: self.memory_gib,
+            map: has_world
+                .then(|| MapArgument::from_str(&self.map, false))
+                .transpose()
+                .map_err(|_| anyhow!(parsed("map", &self.map)))?,
+            grid: has_world
+                .then(|| GridArgument::from_str(&self.grid, false))
+                .transpose()
+                .map_err(|_| anyhow!(parsed("grid", &self.grid)))?,
+            memory: has_world.then_some(self.memory_gib),
             seed: Some(self.seed),
             scenario: self.scenario.as_ref().map(|scenario| scenario.name.clone()),
             module: self.modules.iter().map(|module| module.name.clone()).collect(),

@@ -51,7 +51,10 @@ pub trait AnyKind: Send + Sync {
     /// See [`ExperimentKind::lines`].
     fn lines(&self, series: &str, run: Run, record: &AnyRecord) -> String;
 
-    /// What is kept of no record yet.
+    /// See [`ExperimentKind::further`].
+    fn further(&self, record: &AnyRecord) -> Vec<(String, String)>;
+
+    /// See [`ExperimentKind::tally`].
     fn tally(&self) -> AnyTally;
 
     /// Takes the next record into a tally.
@@ -102,8 +105,12 @@ impl<K: ExperimentKind> AnyKind for Hidden<K> {
         self.0.lines(series, run, own(record.downcast_ref()))
     }
 
+    fn further(&self, record: &AnyRecord) -> Vec<(String, String)> {
+        self.0.further(own(record.downcast_ref()))
+    }
+
     fn tally(&self) -> AnyTally {
-        Box::new(K::Tally::default())
+        Box::new(self.0.tally())
     }
 
     fn add(&self, tally: &mut AnyTally, record: AnyRecord) {

@@ -1,5 +1,6 @@
 //! What the certainty of missions is worth, and how far their estimates are off.
 
+use super::quantity::Quantity;
 use super::reliability::{self, Bin, Judged, SURE};
 use super::samples::Sample;
 use super::statistics::Proportion;
@@ -92,7 +93,7 @@ impl Reliability {
         let right_m: Vec<f64> =
             all.iter().filter(|sample| sample.is_right).map(|sample| f64::from(sample.off_m)).collect();
         let bins = reliability::bins(judged(trials));
-        let recovered: Vec<f64> = trials.iter().filter_map(|trial| trial.measure("wrong recoveries")).collect();
+        let recovered: Vec<f64> = trials.iter().filter_map(|trial| trial.measure(&Quantity::WrongRecoveries)).collect();
         let wrong = recovered.iter().filter(|&&count| count > 0.0).count();
         Self {
             runs: trials.len(),

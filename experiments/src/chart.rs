@@ -267,6 +267,7 @@ fn around(time_s: f64, (mean, half): (f64, f64)) -> CurvePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Quantity;
     use crate::samples::ErrorTrack;
     use crate::trial::MissionTrial;
 
@@ -283,7 +284,8 @@ mod tests {
         let trial = |fault: Option<&str>, time_s: f64| MissionTrial {
             seed: 1,
             fault: fault.map(str::to_string),
-            measures: vec![("time [s]".into(), Some(time_s))],
+            value: None,
+            measures: vec![(Quantity::Time, Some(time_s))],
             unmeasured: None,
             error: ErrorTrack::default(),
             samples: vec![],

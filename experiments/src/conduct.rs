@@ -9,6 +9,7 @@ use super::part::merging::Parts;
 use super::part::shard::Shard;
 use super::part::writer::PartWriter;
 use super::request::ExperimentRequest;
+use super::runs_file::RunsFile;
 use super::seeds::{Seeds, run_in_order};
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
@@ -20,8 +21,6 @@ use rpl_shell::terminal::console::Console;
 use rpl_shell::terminal::page::Block;
 use rpl_shell::terminal::progress;
 use serde_json::Value;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -51,7 +50,7 @@ enum Sink {
 struct Tabulation {
     tallies: Vec<AnyTally>,
     folder: Option<OutputFolder>,
-    file: Option<BufWriter<File>>,
+    runs: RunsFile,
 }
 
 /// Does an experiment.
@@ -70,7 +69,11 @@ pub fn conduct(
     };
     let mut sink = match &how.out {
         Some(path) => Sink::Part(PartWriter::begin(path, &Identity::of(request, shards))?),
-        None => Sink::Table(Tabulation { tallies: Vec::new(), folder: request.results_folder()?, file: None }),
+        None => Sink::Table(Tabulation {
+            tallies: Vec::new(),
+            folder: request.results_folder()?,
+            runs: RunsFile::default(),
+        }),
     };
     let (lacking, inputs) = match how.source {
         RunSource::Seeds(shard) => (drive(kind, request, shard, &mut sink, console)?, None),
@@ -112,17 +115,8 @@ impl Sink {
 
 impl Tabulation {
     fn take(&mut self, kind: &dyn AnyKind, series: &str, run: Run, record: AnyRecord) -> Result<()> {
-        let lines = if self.folder.is_some() { kind.lines(series, run, &record) } else { String::new() };
-        if let Some(folder) = self.folder.as_ref().filter(|_| !lines.is_empty()) {
-            let file = match &mut self.file {
-                Some(file) => file,
-                none => {
-                    let mut file = BufWriter::new(folder.begin(RUNS)?);
-                    writeln!(file, "{}", kind.head(&record)).context(CANNOT)?;
-                    none.insert(file)
-                }
-            };
-            file.write_all(lines.as_bytes()).context(CANNOT)?;
+        if let Some(folder) = &self.folder {
+            self.runs.add(folder, kind, series, run, &record)?;
         }
         if let Some(tally) = self.tallies.last_mut() {
             kind.add(tally, record);
@@ -131,10 +125,10 @@ impl Tabulation {
     }
 
     fn findings(self, kind: &dyn AnyKind) -> Result<Findings> {
-        let Self { tallies, folder, file } = self;
+        let Self { tallies, folder, runs } = self;
         let findings = kind.findings(tallies, folder.is_some())?;
         if let Some(mut folder) = folder {
-            file.map(|mut file| file.flush()).transpose().context(CANNOT)?;
+            runs.end(&folder)?;
             findings.drawings.iter().try_for_each(|(name, text)| match name.ends_with(".svg") {
                 true => folder.draw(name, text),
                 false => folder.write(name, text),
@@ -143,10 +137,6 @@ impl Tabulation {
         Ok(findings)
     }
 }
-
-/// The file of all runs in the folder for results.
-const RUNS: &str = "runs.csv";
-const CANNOT: &str = "cannot write `runs.csv`";
 
 /// Drives the runs of a shard, series by series. Answers the status of one that was interrupted.
 fn drive(

@@ -1,5 +1,6 @@
 //! What became of the orders of a day at the office.
 
+use super::quantity::Quantity;
 use rpl_mission::modules::SiteRobot;
 use rpl_robot::geometry::{Point, distance_m};
 use rpl_robot::simulator::ItemPlace;
@@ -67,16 +68,16 @@ impl Day {
     }
 
     /// The rows of the table.
-    pub fn measures(&self) -> [(&'static str, Option<f64>); 7] {
+    pub fn measures(&self) -> [(Quantity, Option<f64>); 7] {
         [
-            ("orders due", self.due),
-            ("orders delivered", self.delivered),
-            ("orders lost", self.lost),
-            ("orders doubled", self.doubled),
-            ("orders in time", self.in_time),
-            ("interruptions", self.interruptions),
-            ("continued", self.continued),
+            (Quantity::OrdersDue, self.due),
+            (Quantity::OrdersDelivered, self.delivered),
+            (Quantity::OrdersLost, self.lost),
+            (Quantity::OrdersDoubled, self.doubled),
+            (Quantity::OrdersInTime, self.in_time),
+            (Quantity::Interruptions, self.interruptions),
+            (Quantity::Continued, self.continued),
         ]
-        .map(|(name, count)| (name, Some(f64::from(count))))
+        .map(|(quantity, count)| (quantity, Some(f64::from(count))))
     }
 }

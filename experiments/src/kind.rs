@@ -58,6 +58,17 @@ pub trait ExperimentKind: Send + Sync + 'static {
     /// A run as lines of comma-separated values, each with its end; nothing if it has none.
     fn lines(&self, series: &str, run: Run, record: &Self::Record) -> String;
 
+    /// Further values of a run that is one line, by the names of their columns. The columns of the file are those of all
+    /// runs.
+    fn further(&self, _: &Self::Record) -> Vec<(String, String)> {
+        Vec::new()
+    }
+
+    /// What is kept of no record yet.
+    fn tally(&self) -> Self::Tally {
+        Self::Tally::default()
+    }
+
     /// The table, one tally for each series.
     ///
     /// # Errors

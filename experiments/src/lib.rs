@@ -10,10 +10,11 @@
 //!
 //! Read in this order:
 //!
-//! - `kind`, `any_kind`, `seeds`, `part`, `conduct`, `findings`, `request`: how experiments are done;
+//! - `kind`, `any_kind`, `seeds`, `part`, `runs_file`, `conduct`, `findings`, `request`: how experiments are done;
 //! - `statistics`, `numbers`, `samples`, `reliability`, `over_time`, `failed_runs`, `chart`: figures made of their
 //!   records;
-//! - `trial`, `row_result`, `missions`, `calibration`, `day`: missions over seeds;
+//! - `quantity`, `trial`, `row_result`, `missions`, `calibration`, `day`: missions over seeds;
+//! - `variants`: a plan of one's own, and variants of it beside each other;
 //! - `catalogue`: rows of experiments that are missions; those that are none have a file or a folder of their own;
 //! - `registry`: the experiments with a name.
 
@@ -43,15 +44,18 @@ pub mod one_scan;
 mod over_time;
 pub mod part;
 mod projections;
+mod quantity;
 mod registry;
 pub mod reliability;
 mod request;
 mod row_result;
+mod runs_file;
 mod samples;
 mod seeds;
 mod sensing;
 pub mod statistics;
 mod trial;
+pub mod variants;
 mod worlds;
 
 pub use conduct::{Conduct, RunSource};
@@ -61,10 +65,10 @@ pub use request::ExperimentRequest;
 use any_kind::{AnyKind, Hidden};
 use anyhow::{Result, bail};
 use conduct::conduct;
-use missions::OwnPlan;
 use registry::{EXPERIMENTS, Experiment};
 use rpl_shell::terminal::console::Console;
 use std::sync::Arc;
+use variants::Variants;
 
 /// Does an experiment, or one with a plan of the user's own.
 ///
@@ -83,7 +87,7 @@ fn own_plan(request: &ExperimentRequest) -> Result<Arc<dyn AnyKind>> {
         bail!("a plan of your own drives on a map by `--world map.yaml`; `--maps` is for `buildings`");
     }
     let experiments = EXPERIMENTS.iter().map(|known| known.name).collect();
-    Ok(Arc::new(Hidden(OwnPlan::new(request.clone(), experiments)?)))
+    Ok(Arc::new(Hidden(Variants::new(request.clone(), experiments)?)))
 }
 
 /// The experiments with a name, each with its rows.

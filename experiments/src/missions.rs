@@ -1,4 +1,4 @@
-//! Missions over seeds: the runs of each row of an experiment, or of a plan of the user's own.
+//! Missions over seeds: the runs of each row of an experiment.
 
 use super::calibration::Reliability;
 use super::catalogue::Row;
@@ -11,7 +11,6 @@ use super::row_result::{RowResult, RowTally, comparison};
 use super::samples::Sample;
 use super::trial::{Goal, MissionTrial, one_trial};
 use anyhow::{Result, bail};
-use rpl_lang::suggest::suggest;
 use rpl_mission::site::{Setup, Site};
 use rpl_robot::description::RobotDescription;
 use rpl_robot::localization::{Calibration, LocalizationParameters};
@@ -20,13 +19,12 @@ use rpl_robot::world::World;
 use rpl_runtime::run::library::Loaded;
 use rpl_rupart::RupartSettings;
 use rpl_shell::files::case_files::CaseGround;
-use rpl_shell::files::plans::{self, PlanText};
+use rpl_shell::files::plans;
 use rpl_shell::files::world_files;
 use rpl_shell::sites;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::page::Block;
 use serde_json::json;
-use std::path::Path;
 
 /// A place with a plan that is to run there.
 pub struct Mission {
@@ -69,7 +67,11 @@ impl Mission {
 }
 
 /// What the robot of each run remembers at its start.
-fn remembering(request: &ExperimentRequest, world: Option<&World>, robot: &RobotDescription) -> Result<RupartSettings> {
+pub fn remembering(
+    request: &ExperimentRequest,
+    world: Option<&World>,
+    robot: &RobotDescription,
+) -> Result<RupartSettings> {
     let Some(path) = &request.cases else { return Ok(RupartSettings::default()) };
     let Some(world) = world else {
         bail!("`--cases` is what a robot remembers, and there is none; add `--world olin-rice`");
@@ -215,123 +217,31 @@ impl Look for EveryMoment {
     }
 }
 
-/// A plan of the user's own.
-pub struct OwnPlan {
-    /// What is asked for.
-    request: ExperimentRequest,
-    /// The names that may have been meant instead.
-    experiments: Vec<&'static str>,
-}
-
-/// Where a plan of the user's own runs.
-pub enum OwnGround {
-    /// The same place for all seeds.
-    One(Mission),
-    /// A world that is drawn from the seed.
-    Drawn(PlanText, Option<PlanText>),
-}
-
-impl OwnPlan {
-    /// The plan that is asked for.
-    ///
-    /// # Errors
-    /// A row is asked for, which it does not have.
-    pub fn new(request: ExperimentRequest, experiments: Vec<&'static str>) -> Result<Self> {
-        if let Some(row) = &request.row {
-            bail!("`--row {row}` is for the experiments with a name; a plan of your own has one row");
-        }
-        Ok(Self { request, experiments })
-    }
-
-    fn at(&self, plan: &PlanText, scenario: Option<PlanText>, seed: u64) -> Result<Mission> {
-        let robot = &self.request.robot;
-        let world = self.request.world.as_deref().map(|name| world_files::named(name, robot, seed)).transpose()?;
-        let settings = OfficeSettings::of(robot.clone());
-        let rupart = remembering(&self.request, world.as_ref(), robot)?;
-        let setup = Setup { world, settings, rupart, ..Setup::default() };
-        let site = sites::build(setup, scenario, Vec::new())?;
-        let loaded = sites::load(&site, plan, self.request.colour)?;
-        Ok(Mission { site, loaded, goal: None })
-    }
-}
-
-impl ExperimentKind for OwnPlan {
-    type Ground = OwnGround;
-    type Record = MissionTrial;
-    type Tally = RowTally;
-
-    fn series(&self) -> Vec<String> {
-        vec![self.request.name.clone()]
-    }
-
-    fn ground(&self, _: usize) -> Result<OwnGround> {
-        let name = &self.request.name;
-        let plan = plans::plan(name).map_err(|error| {
-            // Somebody may have meant an experiment and not a plan.
-            match suggest(name, self.experiments.iter().copied()) {
-                Some(meant) => error.context(format!("no experiment is called `{name}`; did you mean `{meant}`?")),
-                None => error,
-            }
-        })?;
-        let scenario = self.request.scenario.as_deref().map(plans::scenario).transpose()?;
-        let is_drawn = self.request.world.as_deref().is_some_and(world_files::is_drawn);
-        let first = self.at(&plan, scenario.clone(), self.request.first_seed)?;
-        Ok(if is_drawn { OwnGround::Drawn(plan, scenario) } else { OwnGround::One(first) })
-    }
-
-    fn run(&self, _: usize, ground: &OwnGround, run: Run) -> Result<MissionTrial> {
-        let trial = match ground {
-            OwnGround::One(mission) => mission.run(&self.request, run.seed)?,
-            OwnGround::Drawn(plan, scenario) => {
-                self.at(plan, scenario.clone(), run.seed)?.run(&self.request, run.seed)?
-            }
-        };
-        Ok(trial.without_samples())
-    }
-
-    fn head(&self, first: &MissionTrial) -> String {
-        head(first)
-    }
-
-    fn lines(&self, series: &str, _: Run, trial: &MissionTrial) -> String {
-        line(series, trial)
-    }
-
-    fn findings(&self, tallies: Vec<RowTally>, wants_drawings: bool) -> Result<Findings> {
-        let results = results(&self.series(), &tallies);
-        let name = &self.request.name;
-        let stem = Path::new(name).file_stem().map_or(name.as_str().into(), |stem| stem.to_string_lossy());
-        let drawings = if wants_drawings { over_time(&[(&stem, &tallies[0].over_time)]) } else { Vec::new() };
-        let (status, blocks) = (status(&tallies[0]), results[0].blocks());
-        Ok(Findings { status, blocks, figures: json!({ "rows": results }), drawings })
-    }
-}
-
 /// The figures of each row.
-pub fn results(names: &[String], tallies: &[RowTally]) -> Vec<RowResult> {
+pub fn results<'t>(names: &[String], tallies: impl IntoIterator<Item = &'t RowTally>) -> Vec<RowResult> {
     names.iter().zip(tallies).map(|(name, tally)| RowResult::of(name, tally)).collect()
 }
 
 /// The charts of missions: how many have succeeded by which time, and, where there is a robot, how
 /// far its estimate is off.
-fn over_time(rows: &[(&str, &OverTime)]) -> Vec<(String, String)> {
+pub fn over_time(rows: &[(&str, &OverTime)]) -> Vec<(String, String)> {
     let mut charts = vec![("success.svg".to_string(), chart::success_over_time(rows))];
     charts.extend(chart::error_over_time(rows).map(|chart| ("error.svg".to_string(), chart)));
     charts
 }
 
-fn status(tally: &RowTally) -> Status {
+pub fn status(tally: &RowTally) -> Status {
     if tally.has_succeeded() { Status::Succeeded } else { Status::Failed }
 }
 
 /// The status of a comparison, in which runs may fail, but must count.
-pub fn whether_measured(tallies: &[RowTally]) -> Status {
-    if tallies.iter().all(RowTally::is_measured) { Status::Succeeded } else { Status::Failed }
+pub fn whether_measured<'t>(tallies: impl IntoIterator<Item = &'t RowTally>) -> Status {
+    if tallies.into_iter().all(RowTally::is_measured) { Status::Succeeded } else { Status::Failed }
 }
 
 /// The names of the values of [`line`].
 pub fn head(first: &MissionTrial) -> String {
-    let names: Vec<&str> = first.measures.iter().map(|(name, _)| name.as_ref()).collect();
+    let names: Vec<&str> = first.measures.iter().map(|(quantity, _)| quantity.name()).collect();
     format!("row,seed,succeeded,fault,{}", names.join(","))
 }
 
@@ -339,10 +249,7 @@ pub fn head(first: &MissionTrial) -> String {
 pub fn line(row: &str, trial: &MissionTrial) -> String {
     let value = |value: &Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let values: Vec<String> = trial.measures.iter().map(|(_, measured)| value(measured)).collect();
-    let unmeasured = trial.unmeasured.as_ref().map(|why| format!("not measured: {why}"));
-    let fault = trial.fault.clone().or(unmeasured).unwrap_or_default().replace('"', "'");
-    let succeeded = if trial.is_measured() { trial.succeeded().to_string() } else { String::new() };
-    format!("\"{row}\",{},{succeeded},\"{fault}\",{}\n", trial.seed, values.join(","))
+    format!("\"{row}\",{},{},{}\n", trial.seed, trial.outcome(), values.join(","))
 }
 
 /// Every sample of every run, ten a second, as lines of comma-separated values.

@@ -1,6 +1,7 @@
 //! How missions go over time, on the whole: how many have succeeded by when, and how far estimates are off.
 
 use super::numbers::{Moments, Numbers};
+use super::quantity::Quantity;
 use super::samples::{ErrorTrack, POINT_SAMPLES, POINTS};
 use super::trial::MissionTrial;
 
@@ -22,7 +23,7 @@ pub struct OverTime {
 impl OverTime {
     /// Takes in a run that counts.
     pub fn add(&mut self, trial: &MissionTrial) {
-        let time_s = trial.measure("time [s]").unwrap_or(0.0);
+        let time_s = trial.measure(&Quantity::Time).unwrap_or(0.0);
         self.runs += 1;
         self.latest_s = self.latest_s.max(time_s);
         if trial.succeeded() {
@@ -64,6 +65,7 @@ mod tests {
             seed: 1,
             fault: None,
             unmeasured: None,
+            value: None,
             measures: vec![],
             error: ErrorTrack::of(&samples(errors)),
             samples: vec![],

@@ -137,6 +137,10 @@ impl Experiment {
         if !self.takes.maps && request.maps.is_some() {
             bail!("the experiment `{name}` has worlds of its own; `--maps` is for `buildings`");
         }
+        let own = [("--module", &request.modules), ("--set", &request.set), ("--vary", &request.vary)];
+        if let Some((option, _)) = own.iter().find(|(_, given)| !given.is_empty()) {
+            bail!("the experiment `{name}` has plans of its own; `{option}` is for plans of yours");
+        }
         if !self.takes.cases && request.cases.is_some() {
             bail!(
                 "the experiment `{name}` drives by no case file; `--cases` is for `rupart`, and for plans of your own"

@@ -1,5 +1,6 @@
 //! What is asked of an experiment.
 
+use crate::variants::file::ExperimentFile;
 use anyhow::Result;
 use rpl_lang::suggest::suggest;
 use rpl_mission::site::{Setup, Site};
@@ -29,6 +30,14 @@ pub struct ExperimentRequest {
     pub robot: Arc<RobotDescription>,
     /// How the user has named it, if at all.
     pub robot_name: Option<String>,
+    /// What an experiment file says, if `name` is one.
+    pub file: Option<ExperimentFile>,
+    /// Manifests of modules in other processes, for a plan of one's own.
+    pub modules: Vec<String>,
+    /// First values of variables of a plan of one's own, each as `NAME=EXPR`.
+    pub set: Vec<String>,
+    /// What variants of such a plan differ in, each as `NAME=A,B`.
+    pub vary: Vec<String>,
     /// Another scenario than that of the experiment.
     pub scenario: Option<String>,
     /// The only row of the table.

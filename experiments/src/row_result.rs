@@ -4,12 +4,12 @@ use super::failed_runs::{FailedClass, FailedRun, FailedRuns};
 use super::kind::Tally;
 use super::numbers::Numbers;
 use super::over_time::OverTime;
+use super::quantity::{Quantity, as_name};
 use super::statistics::{Dispersion, PerKm, Proportion, Summary};
 use super::trial::MissionTrial;
 use rpl_shell::terminal::page::Block;
 use rpl_shell::terminal::table::{NOTHING, Table};
 use serde::Serialize;
-use std::borrow::Cow;
 
 /// What came of the runs of a row.
 #[derive(Clone, Debug, Serialize)]
@@ -49,8 +49,9 @@ pub struct RowResult {
 /// What was measured in the runs of a row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measure {
-    /// What was measured, with its unit.
-    pub name: Cow<'static, str>,
+    /// What was measured.
+    #[serde(rename = "name", serialize_with = "as_name")]
+    pub quantity: Quantity,
     /// What it was on the whole.
     #[serde(flatten)]
     pub summary: Summary,
@@ -61,9 +62,9 @@ pub struct Measure {
 }
 
 impl Measure {
-    fn of(name: Cow<'static, str>, numbers: &Numbers) -> Option<Self> {
+    fn of(quantity: Quantity, numbers: &Numbers) -> Option<Self> {
         let nine_in_ten = numbers.of_ten(9)?;
-        Some(Self { name, summary: numbers.summary()?, nine_in_ten, total: numbers.total() })
+        Some(Self { quantity, summary: numbers.summary()?, nine_in_ten, total: numbers.total() })
     }
 }
 
@@ -75,8 +76,8 @@ pub struct RowTally {
     succeeded: usize,
     failures: FailedRuns,
     not_measured: FailedRuns,
-    /// As the first run has them.
-    measures: Vec<(Cow<'static, str>, Numbers)>,
+    /// In the order in which they came up.
+    measures: Vec<(Quantity, Numbers)>,
     /// Of the disturbed runs: those with a wrong recovery.
     wrong_recoveries: Share,
     noticed_within_1_m: Share,
@@ -105,24 +106,23 @@ impl Share {
 
 impl Tally<MissionTrial> for RowTally {
     fn add(&mut self, trial: MissionTrial) {
-        if self.runs == 0 {
-            self.measures = trial.measures.iter().map(|(name, _)| (name.clone(), Numbers::default())).collect();
-        }
         self.runs += 1;
         self.seeds = Some((self.seeds.map_or(trial.seed, |(first, _)| first), trial.seed));
         self.succeeded += usize::from(trial.succeeded());
-        for (name, numbers) in &mut self.measures {
-            if let Some(number) = trial.measure(name) {
-                numbers.add(number);
-            }
+        for (quantity, number) in &trial.measures {
+            let at = self.measures.iter().position(|(known, _)| known == quantity).unwrap_or_else(|| {
+                self.measures.push((quantity.clone(), Numbers::default()));
+                self.measures.len() - 1
+            });
+            number.iter().for_each(|number| self.measures[at].1.add(*number));
         }
-        if let Some(count) = trial.measure("wrong recoveries") {
+        if let Some(count) = trial.measure(&Quantity::WrongRecoveries) {
             self.wrong_recoveries.add(count > 0.0);
         }
         // Of the runs that had a way to notice.
-        if let Some(within) = trial.measure("noticed within 2 m") {
+        if let Some(within) = trial.measure(&Quantity::NoticedWithin2M) {
             self.noticed_within_2_m.add(within > 0.0);
-            self.noticed_within_1_m.add(trial.measure("noticed after [m]").is_some_and(|way_m| way_m <= 1.0));
+            self.noticed_within_1_m.add(trial.measure(&Quantity::NoticedAfter).is_some_and(|way_m| way_m <= 1.0));
         }
         if trial.is_measured() {
             self.over_time.add(&trial);
@@ -148,8 +148,8 @@ impl RowTally {
 impl RowResult {
     /// The figures of some runs.
     pub fn of(name: &str, tally: &RowTally) -> Self {
-        let total = |name: &str| {
-            tally.measures.iter().find(|(known, _)| known == name).map_or(0.0, |(_, numbers)| numbers.total())
+        let total = |quantity: Quantity| {
+            tally.measures.iter().find(|(known, _)| *known == quantity).map_or(0.0, |(_, numbers)| numbers.total())
         };
         let counting = tally.runs - tally.not_measured.count();
         Self {
@@ -160,33 +160,33 @@ impl RowResult {
             failures: tally.failures.told().to_vec(),
             failure_classes: tally.failures.classes(),
             not_measured: tally.not_measured.told().to_vec(),
-            measures: tally.measures.iter().filter_map(|(name, numbers)| Measure::of(name.clone(), numbers)).collect(),
+            measures: tally.measures.iter().filter_map(|(what, numbers)| Measure::of(what.clone(), numbers)).collect(),
             wrong_recoveries: tally.wrong_recoveries.proportion(),
             noticed_within_1_m: tally.noticed_within_1_m.proportion(),
             noticed_within_2_m: tally.noticed_within_2_m.proportion(),
-            false_alarms_per_km: PerKm::new(total("false alarms") as u32, total("distance [m]") / 1000.0),
+            false_alarms_per_km: PerKm::new(total(Quantity::FalseAlarms) as u32, total(Quantity::Distance) / 1000.0),
             failed_seeds: tally.failures.seeds_and_classes(),
             unmeasured_seeds: unmeasured_seeds(tally),
         }
     }
 
-    fn measure(&self, name: &str) -> Option<&Measure> {
-        self.measures.iter().find(|measure| measure.name == name)
+    fn measure(&self, quantity: &Quantity) -> Option<&Measure> {
+        self.measures.iter().find(|measure| measure.quantity == *quantity)
     }
 
     /// The sum over the runs, as a cell of a table.
-    pub fn total(&self, name: &str) -> String {
-        self.measure(name).map_or("0".to_string(), |measure| measure.total.to_string())
+    pub fn total(&self, quantity: &Quantity) -> String {
+        self.measure(quantity).map_or(NOTHING.to_string(), |measure| measure.total.to_string())
     }
 
     /// The median over the runs, as a cell of a table.
-    pub fn median(&self, name: &str) -> String {
-        self.measure(name).map_or(NOTHING.to_string(), |measure| format!("{:.2}", measure.summary.spread.median))
+    pub fn median(&self, quantity: &Quantity) -> String {
+        self.measure(quantity).map_or(NOTHING.to_string(), |measure| format!("{:.2}", measure.summary.spread.median))
     }
 
     /// What nine of ten runs do not exceed, as a cell of a table.
-    pub fn nine_in_ten(&self, name: &str) -> String {
-        self.measure(name).map_or(NOTHING.to_string(), |measure| format!("{:.2}", measure.nine_in_ten))
+    pub fn nine_in_ten(&self, quantity: &Quantity) -> String {
+        self.measure(quantity).map_or(NOTHING.to_string(), |measure| format!("{:.2}", measure.nine_in_ten))
     }
 
     /// The row as a table of its own, with all that was measured.
@@ -197,10 +197,10 @@ impl RowResult {
             None => "no seeds".to_string(),
         };
         let mut table = Table::new(&["", "runs", "mean", "± 95 %", "deviation", "min", "median", "max"]);
-        for Measure { name, summary: Summary { count, spread, half_95 }, .. } in &self.measures {
+        for Measure { quantity, summary: Summary { count, spread, half_95 }, .. } in &self.measures {
             let Dispersion { mean, deviation, min, median, max } = spread;
             let numbers = [mean, half_95, deviation, min, median, max].map(|number| format!("{number:.2}"));
-            table.row([name.to_string(), count.to_string()].into_iter().chain(numbers));
+            table.row([quantity.name().to_string(), count.to_string()].into_iter().chain(numbers));
         }
         let mut blocks = vec![
             Block::Lines(format!(
@@ -265,13 +265,14 @@ fn compared(row: &RowResult) -> [String; 11] {
         row.name.clone(),
         row.succeeded.fraction(),
         row.succeeded.interval(),
-        row.total("contacts caused"),
+        row.total(&Quantity::ContactsCaused),
         row.wrong_recoveries.as_ref().map_or(NOTHING.to_string(), wrong),
-        row.median("noticed after [m]"),
+        row.median(&Quantity::NoticedAfter),
         row.noticed_within_2_m.as_ref().map_or(NOTHING.to_string(), percent),
-        row.median("time [s]"),
-        row.median("estimate off [m]"),
-        row.measure("astray [%]").map_or(NOTHING.to_string(), |share| format!("{:.1} %", share.summary.spread.mean)),
+        row.median(&Quantity::Time),
+        row.median(&Quantity::EstimateOff),
+        row.measure(&Quantity::Astray)
+            .map_or(NOTHING.to_string(), |share| format!("{:.1} %", share.summary.spread.mean)),
         row.false_alarms_per_km.as_ref().map_or(NOTHING.to_string(), alarms),
     ]
 }
@@ -283,8 +284,8 @@ mod tests {
 
     fn trial(seed: u64, fault: Option<&str>, time_s: Option<f64>) -> MissionTrial {
         let fault = fault.map(str::to_string);
-        let (measures, error) = (vec![("time [s]".into(), time_s)], ErrorTrack::default());
-        MissionTrial { seed, fault, unmeasured: None, measures, error, samples: vec![] }
+        let (measures, error) = (vec![(Quantity::Time, time_s)], ErrorTrack::default());
+        MissionTrial { seed, fault, unmeasured: None, value: None, measures, error, samples: vec![] }
     }
 
     fn row(name: &str, trials: impl IntoIterator<Item = MissionTrial>) -> RowResult {

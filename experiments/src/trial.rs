@@ -1,6 +1,7 @@
 //! One run of an experiment: driven to its end, and measured.
 
 use super::day::{AT_PLACE_M, Day};
+use super::quantity::Quantity;
 use super::samples::{ErrorTrack, Sample};
 use anyhow::{Context, Result};
 use rpl_drive::observed::{Incident, RunEnd};
@@ -8,6 +9,7 @@ use rpl_drive::run_driver::{Pace, drive};
 use rpl_drive::run_record::Records;
 use rpl_drive::show::failure_report::Reporter;
 use rpl_lang::code::Program;
+use rpl_lang::symbol::Symbol;
 use rpl_mission::modules::SiteRobot;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
@@ -19,7 +21,6 @@ use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
 use rpl_shell::terminal::console::Console;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// How near to the goal the robot must really be.
 pub const AT_GOAL_M: f64 = 0.5;
@@ -46,9 +47,11 @@ pub struct MissionTrial {
     pub fault: Option<String>,
     /// Why the run counts for nothing: its scenario failed, so that it was not what it was to be.
     pub unmeasured: Option<String>,
-    /// What was measured: name with unit, and value, if there was anything to measure in this run;
-    /// the same names in every run.
-    pub measures: Vec<(Cow<'static, str>, Option<f64>)>,
+    /// What the plan returned, as it could be read again, if it succeeded.
+    pub value: Option<String>,
+    /// What was measured, if there was anything to measure in this run: the same quantities in every run, and behind
+    /// them those that the plan measures itself.
+    pub measures: Vec<(Quantity, Option<f64>)>,
     /// How far the estimate was off.
     pub error: ErrorTrack,
     /// The estimate and the truth, ten times a second, in experiments that look at each moment.
@@ -66,9 +69,17 @@ impl MissionTrial {
         self.unmeasured.is_none()
     }
 
-    /// What was measured under a name, if anything.
-    pub fn measure(&self, name: &str) -> Option<f64> {
-        self.measures.iter().find(|(known, _)| *known == name).and_then(|&(_, value)| value)
+    /// Whether it succeeded, and why not, as two comma-separated values.
+    pub fn outcome(&self) -> String {
+        let unmeasured = self.unmeasured.as_ref().map(|why| format!("not measured: {why}"));
+        let fault = self.fault.clone().or(unmeasured).unwrap_or_default().replace('"', "'");
+        let succeeded = if self.is_measured() { self.succeeded().to_string() } else { String::new() };
+        format!("{succeeded},\"{fault}\"")
+    }
+
+    /// What was measured of a quantity, if anything.
+    pub fn measure(&self, quantity: &Quantity) -> Option<f64> {
+        self.measures.iter().find(|(known, _)| known == quantity).and_then(|&(_, value)| value)
     }
 
     /// The same without the single moments.
@@ -129,17 +140,17 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
     let ending = drive(&mut system, pace, &mut silent, &mut records).context("a run could not be driven")?;
     let observed = records.observed;
     let mut fault = fault_of(&system, ending);
-    let mut measures: Vec<(&'static str, Option<f64>)> = vec![("time [s]", Some(system.machine.now_s()))];
+    let mut measures: Vec<(Quantity, Option<f64>)> = vec![(Quantity::Time, Some(system.machine.now_s()))];
     if let (Some(account), Some(sight)) = (system.outside.account(), system.outside.sight()) {
-        measures.push(("distance [m]", Some(account.distance_m)));
-        measures.push(("contacts caused", account.contacts.map(f64::from)));
-        measures.push(("mean speed [m/s]", Some(account.distance_m / system.machine.now_s().max(1e-9))));
-        measures.push(("relocalizations", Some(observed.relocalizations as f64)));
+        measures.push((Quantity::Distance, Some(account.distance_m)));
+        measures.push((Quantity::ContactsCaused, account.contacts.map(f64::from)));
+        measures.push((Quantity::MeanSpeed, Some(account.distance_m / system.machine.now_s().max(1e-9))));
+        measures.push((Quantity::Relocalizations, Some(observed.relocalizations as f64)));
         let offs_m = || observed.track.iter().map(off_m);
         let mean = |sum: f64| (!observed.track.is_empty()).then(|| sum / observed.track.len() as f64);
-        measures.push(("estimate off [m]", mean(offs_m().sum::<f64>())));
+        measures.push((Quantity::EstimateOff, mean(offs_m().sum::<f64>())));
         let astray = offs_m().filter(|off_m| *off_m > WRONG_ESTIMATE_M).count() as f64;
-        measures.push(("astray [%]", mean(100.0 * astray)));
+        measures.push((Quantity::Astray, mean(100.0 * astray)));
         measures.extend(disturbance(&observed.incidents, &observed.track, account.distance_m));
         if let Robot::Office(robot) = &system.outside
             && let Some(day) = Day::of(robot, &observed.logs)
@@ -155,21 +166,21 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
             if off_m > AT_GOAL_M {
                 fault.get_or_insert_with(|| "wrong place".to_string());
             }
-            measures.push(("off the goal [m]", Some(off_m)));
+            measures.push((Quantity::OffTheGoal, Some(off_m)));
             if let (Some(item), Robot::Office(robot)) = (item, &system.outside) {
                 let item_m = item_off_m(robot, item, pose_in_map.point());
                 if item_m.is_none_or(|item_m| item_m > AT_PLACE_M) {
                     fault.get_or_insert_with(|| format!("not delivered: {item}"));
                 }
-                measures.push(("thing off [m]", item_m));
+                measures.push((Quantity::ThingOff, item_m));
             }
         }
     }
     if let Some((scenario, failure)) = system.outside.failed_scenario() {
         let unmeasured = Some(described(&scenario.machine, &scenario.program, failure));
-        let measures = measures.into_iter().map(|(name, _)| (name.into(), None)).collect();
+        let measures = measures.into_iter().map(|(quantity, _)| (quantity, None)).collect();
         let (error, samples) = (ErrorTrack::default(), Vec::new());
-        return Ok(MissionTrial { seed, fault: None, unmeasured, measures, error, samples });
+        return Ok(MissionTrial { seed, fault: None, unmeasured, value: None, measures, error, samples });
     }
     let sample = |sight: &Sight| Sample {
         certainty: sight.certainty,
@@ -178,8 +189,17 @@ pub fn one_trial(mut system: System<Robot>, seed: u64, until_us: u64, goal: Opti
         is_right: is_right(sight),
     };
     let samples: Vec<Sample> = observed.track.iter().map(sample).collect();
-    let measures = measures.into_iter().map(|(name, value)| (name.into(), value)).collect();
-    Ok(MissionTrial { seed, fault, unmeasured: None, measures, error: ErrorTrack::of(&samples), samples })
+    let machine = &system.machine;
+    measures.extend(machine.measures.iter().map(|(name, number)| (own(machine, name), Some(number))));
+    let value = match ending {
+        RunEnd::Outcome(Outcome::Succeeded(value)) => Some(machine.write(&system.program, value)),
+        _ => None,
+    };
+    Ok(MissionTrial { seed, fault, unmeasured: None, value, measures, error: ErrorTrack::of(&samples), samples })
+}
+
+fn own(machine: &Machine, name: Symbol) -> Quantity {
+    Quantity::Own(machine.symbols.name(name).to_string())
 }
 
 /// Why a plan did not succeed, the class of the failure first.
@@ -213,7 +233,7 @@ fn righted_m(track: &[Sight]) -> Option<f64> {
 /// or its estimate was right again. How often
 /// it then believed to have found its position where it was not, and how often it thought itself
 /// lost without reason.
-fn disturbance(incidents: &[Incident], track: &[Sight], driven_m: f64) -> [(&'static str, Option<f64>); 4] {
+fn disturbance(incidents: &[Incident], track: &[Sight], driven_m: f64) -> [(Quantity, Option<f64>); 4] {
     let deed = incidents.iter().position(|incident| incident.what.is_by_hand());
     let (before, after) = incidents.split_at(deed.unwrap_or(incidents.len()));
     let lost = |incident: &&Incident| incident.what == ReportKind::PositionLost;
@@ -237,10 +257,10 @@ fn disturbance(incidents: &[Incident], track: &[Sight], driven_m: f64) -> [(&'st
     let wrong = deed.map(|_| after.iter().filter(is_wrong).count() as f64);
     let alarms = before.iter().filter(lost).filter(|incident| off_m(&incident.sight) <= WRONG_ESTIMATE_M);
     [
-        ("noticed after [m]", noticed_m),
-        ("noticed within 2 m", within.map(f64::from)),
-        ("wrong recoveries", wrong),
-        ("false alarms", Some(alarms.count() as f64)),
+        (Quantity::NoticedAfter, noticed_m),
+        (Quantity::NoticedWithin2M, within.map(f64::from)),
+        (Quantity::WrongRecoveries, wrong),
+        (Quantity::FalseAlarms, Some(alarms.count() as f64)),
     ]
 }
 

@@ -5,6 +5,7 @@ use super::catalogue::WORLDS;
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::missions::{head, line, results};
+use super::quantity::Quantity;
 use super::request::ExperimentRequest;
 use super::row_result::{RowResult, RowTally};
 use super::trial::{Goal, MissionTrial, one_trial};
@@ -38,9 +39,6 @@ pub(super) const DRAWS: u32 = 2000;
 
 /// Start and goal are at least this far apart in a straight line.
 const APART_M: f64 = 3.0;
-
-/// What the way driven is measured by.
-const WAY_BY_OPTIMUM: &str = "way / optimum";
 
 /// A world to drive in, and its floor.
 pub struct TestGround {
@@ -179,8 +177,8 @@ pub(super) fn run_errand(
     let loaded = sites::load_text(&ground.site, "errand.rpl", text, &mut NoFiles, false)?;
     let system = ground.site.start_traced_with(Robot::Office(Box::new(robot)), loaded, seed);
     let mut trial = one_trial(system, seed, request.until_us, Some(goal))?;
-    let way_m = trial.measure("distance [m]").filter(|_| trial.succeeded());
-    trial.measures.push((WAY_BY_OPTIMUM.into(), way_m.map(|way_m| way_m / optimum_m)));
+    let way_m = trial.measure(&Quantity::Distance).filter(|_| trial.succeeded());
+    trial.measures.push((Quantity::WayByOptimum, way_m.map(|way_m| way_m / optimum_m)));
     Ok(trial)
 }
 
@@ -216,12 +214,12 @@ fn blocks(rows: &[RowResult]) -> Vec<Block> {
             row.name.clone(),
             row.succeeded.fraction(),
             row.succeeded.interval(),
-            row.total("contacts caused"),
-            row.median("distance [m]"),
-            row.median(WAY_BY_OPTIMUM),
-            row.nine_in_ten(WAY_BY_OPTIMUM),
-            row.median("time [s]"),
-            row.total("relocalizations"),
+            row.total(&Quantity::ContactsCaused),
+            row.median(&Quantity::Distance),
+            row.median(&Quantity::WayByOptimum),
+            row.nine_in_ten(&Quantity::WayByOptimum),
+            row.median(&Quantity::Time),
+            row.total(&Quantity::Relocalizations),
         ]);
     }
     let mut blocks = vec![Block::Table(table)];

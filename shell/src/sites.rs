@@ -1,6 +1,7 @@
 //! Sites as the command builds them: who waits for a large world is told so before, and what is wrong
 //! comes with the options that help.
 
+use crate::arguments::overrides::{Overrides, OverridingLoader};
 use crate::files::plans::PlanText;
 use crate::terminal::console;
 use anyhow::{Result, bail};
@@ -59,6 +60,19 @@ pub fn with_scenario(site: &Site, scenario: PlanText) -> Result<Site> {
 /// Its text is wrong: the error shows where, in colour if that is asked for.
 pub fn load(site: &Site, plan: &PlanText, colour: bool) -> Result<Loaded> {
     load_text(site, &plan.name, &plan.text, &mut plan.folder.clone(), colour)
+}
+
+/// The same with other first values for variables of the plan, each as `NAME=EXPR`.
+///
+/// # Errors
+/// As for [`load`]; or a first value is wrong, or is of no variable of the plan.
+pub fn load_with(site: &Site, plan: &PlanText, set: &[String], colour: bool) -> Result<Loaded> {
+    let mut overrides = Overrides::parse(set)?;
+    let text = overrides.apply(plan.text.clone());
+    let mut loader = OverridingLoader { inner: &mut plan.folder.clone(), overrides: &mut overrides };
+    let loaded = load_text(site, &plan.name, &text, &mut loader, colour)?;
+    overrides.check_all_used()?;
+    Ok(loaded)
 }
 
 /// The same for a text, and what gives it the files that it loads.

@@ -9,10 +9,12 @@ use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use rpl_lang::source::{Sources, Span};
 use rpl_lang::visible::visible;
 use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_shell::arguments::{completion, plan_files};
 use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
 use rpl_shell::files::plans::PlanText;
-use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::project_file::{Project, ProjectFile};
+use rpl_shell::files::roles::{Role, Roles};
 use rpl_shell::files::{plans, robot_files, world_files};
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -36,6 +38,9 @@ pub struct Arguments {
     /// The world they are for: places they name must be there
     #[arg(long, value_name = "WORLD", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
+    /// The robot: a built-in name, or a .toml file (default: b21)
+    #[arg(long, value_name = "R", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::robots))]
+    robot: Option<String>,
     /// A module in another process that they are for, by its manifest; once for each
     #[arg(long, value_name = "FILE", conflicts_with = "scenario", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
@@ -91,17 +96,24 @@ struct RelatedRecord {
     place: PlaceRecord,
 }
 
-/// The arguments, with what a project says if they name one or no file.
-fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
+/// The arguments, with what the project of the files says. What they say themselves holds.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<(Arguments, Option<ProjectFile>)> {
     let mut arguments = arguments.clone();
-    if let Some((file, project)) = ProjectFile::of(&arguments.files, ("check", "plan"), console)? {
-        arguments.files = vec![ProjectFile::folder_of(&file)];
-        if arguments.world.is_none() && !arguments.scenario {
-            arguments.world = project.world;
-            arguments.module = project.modules;
+    let Some(project) = Project::of(&arguments.files, ("check", "plan"), console)? else {
+        return Ok((arguments, None));
+    };
+    if project.is_meant {
+        arguments.files = vec![project.folder()];
+    }
+    let says = project.says;
+    if !arguments.scenario {
+        arguments.world = arguments.world.or_else(|| says.world.clone());
+        arguments.robot = arguments.robot.or_else(|| says.robot.clone());
+        if arguments.module.is_empty() {
+            arguments.module.clone_from(&says.modules);
         }
     }
-    Ok(arguments)
+    Ok((arguments, Some(says)))
 }
 
 /// Checks every file; the places they name are looked up in the world, if one is given.
@@ -109,24 +121,26 @@ fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments>
 /// # Errors
 /// There is no such world or module, nothing is named and there is no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let arguments = &in_project(arguments, console)?;
-    let places = arguments.world.as_deref().map(places_of).transpose()?;
-    let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
-    let sites = match arguments.scenario {
-        true => vec![Site::for_checking_scenarios()?],
-        false => vec![Site::with_processes(Setup::default(), sources.clone())?, Site::for_checking(sources)?],
+    let (arguments, project) = &in_project(arguments, console)?;
+    let robot = arguments.robot.as_deref();
+    let places = arguments.world.as_deref().map(|world| places_of(world, robot)).transpose()?;
+    let files = plan_files::named(&arguments.files);
+    let read = |name: &Result<String, String>| -> Result<PlanText, String> {
+        let name = name.as_ref().map_err(Clone::clone)?;
+        let plan = if arguments.scenario { plans::scenario(name) } else { plans::plan(name) };
+        plan.map_err(|error| format!("{error:#}"))
     };
+    let texts: Vec<Result<PlanText, String>> = files.iter().map(read).collect();
+    let roles = Roles::of(project.as_ref(), texts.iter().flatten());
+    let sites = CheckSites::of(arguments)?;
     let mut report = CheckReport::default();
-    for name in plan_files::named(&arguments.files) {
-        let plan = |name: &String| match arguments.scenario {
-            true => plans::scenario(name),
-            false => plans::plan(name),
-        };
-        match name.as_ref().map_err(Clone::clone).and_then(|name| plan(name).map_err(|error| format!("{error:#}"))) {
+    for (name, text) in files.into_iter().zip(texts) {
+        match text {
             Ok(plan) => {
-                let (findings, program) = findings(&sites, &plan, places.as_ref());
+                let role = if arguments.scenario { Role::Scenario } else { roles.role(&plan.name) };
+                let (findings, program) = findings(sites.of_role(&role), &plan, places.as_ref());
                 if !arguments.json {
-                    tell(&plan.name, &findings, &program, console)?;
+                    tell(&plan.name, &role, &findings, &program, console)?;
                 }
                 report.add(FileRecord::found(&plan.name, &findings, &program.sources));
             }
@@ -143,6 +157,34 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
     }
     Ok(if report.errors == 0 { Status::Succeeded } else { Status::Wrong })
+}
+
+/// Where texts are checked, by what they are for.
+struct CheckSites {
+    plans: [Site; 2],
+    /// Without the modules: the plans of one define what it brings along.
+    of_modules: [Site; 2],
+    scenarios: [Site; 1],
+}
+
+impl CheckSites {
+    fn of(arguments: &Arguments) -> Result<Self> {
+        let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
+        let bare: Vec<ModuleSource> =
+            sources.iter().map(|source| ModuleSource { plans: None, ..source.clone() }).collect();
+        let both = |sources: Vec<ModuleSource>| -> Result<[Site; 2]> {
+            Ok([Site::with_processes(Setup::default(), sources.clone())?, Site::for_checking(sources)?])
+        };
+        Ok(Self { plans: both(sources)?, of_modules: both(bare)?, scenarios: [Site::for_checking_scenarios()?] })
+    }
+
+    fn of_role(&self, role: &Role) -> &[Site] {
+        match role {
+            Role::Plan => &self.plans,
+            Role::Scenario => &self.scenarios,
+            Role::OfModule(_) => &self.of_modules,
+        }
+    }
 }
 
 impl CheckReport {
@@ -204,8 +246,8 @@ impl PlaceRecord {
     }
 }
 
-fn places_of(world: &str) -> Result<KnownPlaces> {
-    let robot = robot_files::named(None)?;
+fn places_of(world: &str, robot: Option<&str>) -> Result<KnownPlaces> {
+    let robot = robot_files::named(robot)?;
     // No arena has places, whatever its seed.
     let world = world_files::named(world, &robot, 0)?;
     Ok(KnownPlaces { names: world.places.iter().map(|place| place.name.clone()).collect(), world: world.name })
@@ -225,9 +267,14 @@ fn findings(sites: &[Site], plan: &PlanText, places: Option<&KnownPlaces>) -> (V
 }
 
 /// Tells the findings in a text.
-fn tell(name: &str, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<()> {
+fn tell(name: &str, role: &Role, findings: &[Diagnostic], program: &Program, console: &mut Console) -> Result<()> {
     if findings.is_empty() {
-        return Ok(console.print(&format!("{}: no findings", visible(name)))?);
+        let role = match role {
+            Role::Plan => String::new(),
+            Role::Scenario => ", as a scenario".to_string(),
+            Role::OfModule(manifest) => format!(", as plans of `{}`", visible(manifest)),
+        };
+        return Ok(console.print(&format!("{}: no findings{role}", visible(name)))?);
     }
     console.note(render(findings, &program.sources, console.colour).trim_end());
     console.note(&format!("{}: {}", visible(name), count(findings)));

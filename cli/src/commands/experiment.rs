@@ -6,21 +6,22 @@ use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_experiments::part::merging::Parts;
 use rpl_experiments::part::shard::Shard;
+use rpl_experiments::variants::file::ExperimentFile;
 use rpl_experiments::{Conduct, ExperimentRequest, RunSource};
 use rpl_shell::arguments::completion;
 use rpl_shell::arguments::duration::parse_duration_us;
 use rpl_shell::arguments::site::FIRST_SEED;
 use rpl_shell::files::inputs::STANDARD_INPUT;
-use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
+use rpl_shell::files::project_file::{Project, ProjectFile};
 use rpl_shell::files::robot_files;
-use rpl_shell::files::shown::Shown;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use serde_json::{Map, Value, json};
 use std::env;
 use std::ffi::OsStr;
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Runs a plan with many seeds and makes a table
 #[derive(clap::Args, Clone, Debug)]
@@ -30,24 +31,33 @@ pub struct Arguments {
     merge: Option<Merge>,
     #[arg(value_name = "NAME", help = what_name_means(), add = ArgValueCompleter::new(known))]
     name: Option<String>,
-    /// How many seeds; 20 without
+    /// How many seeds (default: 20)
     #[arg(long, value_name = "N", value_parser = runs)]
     runs: Option<NonZero<u32>>,
-    /// How many runs at a time; as many as there are cores without
+    /// How many runs at a time (default: the number of cores)
     #[arg(long, value_name = "J", value_parser = jobs_at_a_time)]
     jobs: Option<NonZero<usize>>,
-    /// The first seed; 1 without
+    /// The first seed (default: 1)
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// The world, for a plan of your own
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
-    /// The robot: a built-in name, or a .toml file; `b21` without
+    /// The robot: a built-in name, or a .toml file (default: b21)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
     /// What happens on the way: a plan with hands in the world
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     scenario: Option<String>,
+    /// A module in another process, by its manifest, for a plan of your own; once for each
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    module: Vec<String>,
+    /// Another first value for a variable of your plan: NAME=EXPR (repeatable)
+    #[arg(long, value_name = "NAME=EXPR")]
+    set: Vec<String>,
+    /// Compares your plan with itself for several first values of a variable: NAME=A,B (repeatable)
+    #[arg(long, value_name = "NAME=A,B")]
+    vary: Vec<String>,
     /// Only this row of the table
     #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(rows))]
     row: Option<String>,
@@ -60,9 +70,9 @@ pub struct Arguments {
     /// Writes every run as a line of `runs.csv`, and charts, into this folder
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     results: Option<PathBuf>,
-    /// A run that takes longer, in the plan's time, counts as failed
-    #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
-    until: u64,
+    /// A run that takes longer, in the plan's time, counts as failed (default: 1h)
+    #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
+    until: Option<u64>,
     /// Writes every figure of the tables as one JSON object to standard output instead
     #[arg(long)]
     json: bool,
@@ -101,6 +111,9 @@ struct MergeArguments {
 /// The runs that are made where nothing else is said.
 const USUAL_RUNS: u32 = 20;
 
+/// The time of a plan after which a run counts as failed where nothing else is said.
+const USUAL_UNTIL_US: u64 = 3_600_000_000;
+
 /// More runs than this do not fit into a table, and more jobs than this are more than any machine has
 /// cores.
 const MOST_RUNS: u32 = 10_000_000;
@@ -109,7 +122,7 @@ const MOST_JOBS: usize = 1_024;
 fn what_name_means() -> String {
     let names: Vec<String> = rpl_experiments::names().map(|(name, _)| format!("`{name}`")).collect();
     format!(
-        "{}, or a plan of your own; `-` for standard input; without it, the plan that `rpl.toml` names, in its world",
+        "{}, a plan of your own, or an experiment file (.toml) that compares variants of one; `-` for standard input; without it, the plan that `rpl.toml` names, in its world",
         names.join(", ")
     )
 }
@@ -137,11 +150,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         }
         None => {
             let source = RunSource::Seeds(arguments.shard.unwrap_or(Shard::WHOLE));
-            (
-                arguments.in_project(console)?.request(colour)?,
-                Conduct { source, out: arguments.out.clone() },
-                arguments.json,
-            )
+            let (asked, project) = arguments.in_project(console)?;
+            let request = asked.request(project.as_ref(), colour)?;
+            (request, Conduct { source, out: arguments.out.clone() }, arguments.json)
         }
     };
     let findings = rpl_experiments::run(&request, how, console)?;
@@ -153,51 +164,76 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     Ok(findings.status)
 }
 
+/// The experiment file of a name; none if it is that of a plan or an experiment.
+fn experiment_file(name: &str) -> Result<Option<ExperimentFile>> {
+    ExperimentFile::is_named(name).then(|| ExperimentFile::read(Path::new(name))).transpose()
+}
+
 fn jobs(asked: Option<NonZero<usize>>) -> usize {
     asked.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
 }
 
 impl Arguments {
-    /// With what a project says if one is named or nothing. What they say themselves holds.
-    fn in_project(&self, console: &mut Console) -> Result<Self> {
+    /// With what the project of the plan says. What they say themselves holds; of an experiment file, what the file says,
+    /// too.
+    fn in_project(&self, console: &mut Console) -> Result<(Self, Option<ProjectFile>)> {
         let mut arguments = self.clone();
-        let named = ProjectFile::of(arguments.name.as_slice(), ("experiment", "experiment"), console)?;
-        let Some((file, project)) = named else { return Ok(arguments) };
-        let shown = file.shown();
-        arguments.name = Some(project.plan_to_run(&file)?);
-        if arguments.world.is_none() {
-            if !project.modules.is_empty() {
-                bail!(
-                    "an experiment has no modules of its own, and `{shown}` names some; name the plan to run it without them"
-                );
+        let named = arguments.name.as_slice();
+        let Some(project) = Project::of(named, ("experiment", "experiment"), console)? else {
+            return Ok((arguments, None));
+        };
+        let name = project.plan_or(arguments.name.take())?;
+        let is_file = ExperimentFile::is_named(&name);
+        if !is_file {
+            arguments.set = project.first_values(&name, &arguments.set);
+            let or = |mine: &mut Option<String>, its: &Option<String>| *mine = mine.take().or_else(|| its.clone());
+            or(&mut arguments.world, &project.says.world);
+            if arguments.world.is_some() {
+                or(&mut arguments.robot, &project.says.robot);
+                or(&mut arguments.scenario, &project.says.scenario);
             }
-            (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
+            arguments.seed = arguments.seed.or(project.says.seed);
+            arguments.runs = arguments.runs.or(project.says.runs);
         }
-        arguments.seed = arguments.seed.or(project.seed);
-        arguments.runs = arguments.runs.or(project.runs);
-        Ok(arguments)
+        if arguments.module.is_empty() {
+            arguments.module.clone_from(&project.says.modules);
+            let (modules, _) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
+            modules.tell(console);
+        }
+        arguments.name = Some(name);
+        Ok((arguments, is_file.then_some(project.says)))
     }
 
-    fn request(&self, colour: bool) -> Result<ExperimentRequest> {
+    fn request(&self, project: Option<&ProjectFile>, colour: bool) -> Result<ExperimentRequest> {
         let name = self.name.clone().unwrap_or_default();
         if name == STANDARD_INPUT && self.out.is_some() {
             bail!("a part names its plan, and standard input has no name; write the plan into a file");
         }
+        let mut file = experiment_file(&name)?;
+        if let (Some(file), Some(project)) = (&mut file, project) {
+            file.in_project(project);
+        }
+        let of_file = file.as_ref();
+        let until_us = of_file.map(ExperimentFile::until_us).transpose()?.flatten();
         Ok(ExperimentRequest {
             build: BUILD,
             name,
-            runs: self.runs.map_or(USUAL_RUNS, NonZero::get),
+            runs: self.runs.or(of_file.and_then(|file| file.runs)).map_or(USUAL_RUNS, NonZero::get),
             jobs: jobs(self.jobs),
-            first_seed: self.seed.unwrap_or(FIRST_SEED),
+            first_seed: self.seed.or(of_file.and_then(|file| file.seed)).unwrap_or(FIRST_SEED),
             world: self.world.clone(),
             robot: robot_files::named(self.robot.as_deref())?,
             robot_name: self.robot.clone(),
+            file,
+            modules: self.module.clone(),
+            set: self.set.clone(),
+            vary: self.vary.clone(),
             scenario: self.scenario.clone(),
             row: self.row.clone(),
             maps: self.maps.clone(),
             cases: self.cases.clone(),
             results: self.results.clone(),
-            until_us: self.until,
+            until_us: self.until.or(until_us).unwrap_or(USUAL_UNTIL_US),
             colour,
         })
     }
@@ -210,6 +246,7 @@ impl MergeArguments {
         let asked = parts.identity.clone();
         let request = ExperimentRequest {
             build: BUILD,
+            file: experiment_file(&asked.experiment)?,
             name: asked.experiment,
             runs: asked.runs,
             jobs: jobs(None),
@@ -218,6 +255,9 @@ impl MergeArguments {
             robot: robot_files::named(asked.robot.as_deref())?,
             robot_name: asked.robot,
             scenario: asked.scenario,
+            modules: asked.modules,
+            set: asked.set,
+            vary: asked.vary,
             row: asked.row,
             maps: asked.maps,
             cases: asked.cases,

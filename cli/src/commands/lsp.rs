@@ -7,9 +7,12 @@ use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
 use rpl_mission::site::{Setup, Site};
+use rpl_shell::arguments::plan_files;
 use rpl_shell::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
 use rpl_shell::files::plans::OnDisk;
+use rpl_shell::files::plans::{self, PlanText};
 use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::roles::{Role, Roles};
 use rpl_shell::files::{robot_files, world_files};
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console;
@@ -51,18 +54,40 @@ pub fn run(_: &Arguments) -> Result<Status> {
 /// The files around the texts of an editor.
 #[derive(Default)]
 struct Files {
-    /// What the texts of each project are looked at with, by its file.
-    settings: RefCell<BTreeMap<Option<PathBuf>, Arc<Setting>>>,
+    /// What the texts of each project are looked at with, by its file and what they are for.
+    settings: RefCell<BTreeMap<(Option<PathBuf>, IsScenario), Arc<Setting>>>,
+    /// The files of each project that are no plans.
+    roles: RefCell<BTreeMap<PathBuf, Roles>>,
+}
+
+/// Whether a text disturbs the world.
+type IsScenario = bool;
+
+impl Files {
+    /// Whether a text of a project is a scenario, by what the project and its other texts say.
+    fn is_scenario(&self, project: &Path, path: &Path) -> bool {
+        let mut roles = self.roles.borrow_mut();
+        let roles = roles.entry(project.to_path_buf()).or_insert_with(|| {
+            let folder = project.parent().unwrap_or(project).to_string_lossy().into_owned();
+            let texts: Vec<PlanText> =
+                plan_files::named(&[folder]).iter().flatten().filter_map(|file| plans::plan(file).ok()).collect();
+            Roles::of(ProjectFile::read(project).ok().as_ref(), texts.iter())
+        });
+        roles.role(&path.to_string_lossy()) == Role::Scenario
+    }
 }
 
 impl Surroundings for Files {
     fn setting(&self, path: &Path) -> Result<Arc<Setting>, String> {
         let file = ProjectFile::above(path);
-        if let Some(known) = self.settings.borrow().get(&file) {
+        let is_scenario = file.as_deref().is_some_and(|file| self.is_scenario(file, path));
+        let of = (file, is_scenario);
+        if let Some(known) = self.settings.borrow().get(&of) {
             return Ok(known.clone());
         }
-        let setting = Arc::new(setting_of(file.as_deref()).map_err(|error| format!("{error:#}"))?);
-        self.settings.borrow_mut().insert(file, setting.clone());
+        let setting = setting_of(of.0.as_deref(), is_scenario).map_err(|error| format!("{error:#}"))?;
+        let setting = Arc::new(setting);
+        self.settings.borrow_mut().insert(of, setting.clone());
         Ok(setting)
     }
 
@@ -81,11 +106,16 @@ impl Surroundings for Files {
 
     fn files_changed(&self) {
         self.settings.borrow_mut().clear();
+        self.roles.borrow_mut().clear();
     }
 }
 
 /// What the texts of a project are looked at with; without a project file, what `rpl check` looks at texts with.
-fn setting_of(file: Option<&Path>) -> Result<Setting> {
+fn setting_of(file: Option<&Path>, is_scenario: IsScenario) -> Result<Setting> {
+    if is_scenario {
+        let library = Site::for_checking_scenarios()?.library;
+        return Ok(Setting { reference: Reference::of(&library), libraries: vec![library], world: None });
+    }
     let project = file.map(ProjectFile::read).transpose()?.unwrap_or_default();
     let manifests: Vec<ManifestFile> =
         project.modules.iter().map(|name| ManifestFile { name: name.clone(), path: name.into() }).collect();

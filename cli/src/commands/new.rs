@@ -1,4 +1,4 @@
-//! `rpl new NAME`: a folder with a plan, its test and `rpl.toml`, that runs as it is.
+//! `rpl new NAME`: a folder with a plan, its tests, a scenario and `rpl.toml`, that runs as it is.
 
 use anyhow::{Result, anyhow, bail};
 use clap::ValueHint;
@@ -15,10 +15,16 @@ use std::path::{Path, PathBuf};
 /// The plan of a project, and the texts that are put into it.
 const PLAN: &str = include_str!("new/main.rpl");
 const TESTS: &str = include_str!("new/tests.rpl");
+const SCENARIO: &str = include_str!("new/turned.rpl");
+const README: &str = include_str!("new/README.md");
+
+/// What commands write into a project, and nobody keeps.
+const GITIGNORE: &str = "*.jsonl\n*.mcap\n*.part\nfigures/\njournal/\nresults/\n";
+const NAME: &str = "NAME";
 const PLACE: &str = "PLACE";
 const WORLD: &str = "WORLD";
 
-/// Begins a project: a folder with a plan, a test and `rpl.toml`
+/// Begins a project: a folder with a plan, tests, a scenario and `rpl.toml`
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// The folder, which is made
@@ -45,11 +51,22 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     };
     let is_file = Path::new(&arguments.world).extension().is_some_and(|extension| extension == "toml");
     let world = if is_file { "world.toml" } else { arguments.world.as_str() };
-    let filled = |text: &str| text.replace(PLACE, &place).replace(WORLD, world);
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let filled = |text: &str| text.replace(NAME, &name).replace(PLACE, &place).replace(WORLD, world);
     let project = format!(
-        "# What `rpl run`, `rpl test` and `rpl check` take when they are called in this folder.\nplan = \"main.rpl\"\nworld = \"{world}\"\n"
+        "# What commands take for the plans of this folder.\nplan = \"main.rpl\"\nworld = \"{world}\"\n\
+         # robot = \"b21\"          # `rpl robots`\n\
+         # scenario = \"turned.rpl\"\n\
+         # seed = 1\n"
     );
-    let mut files = vec![("main.rpl", filled(PLAN)), ("tests.rpl", filled(TESTS)), (PROJECT_FILE, project)];
+    let mut files = vec![
+        ("main.rpl", filled(PLAN)),
+        ("tests.rpl", filled(TESTS)),
+        ("turned.rpl", SCENARIO.to_string()),
+        ("README.md", filled(README)),
+        (".gitignore", GITIGNORE.to_string()),
+        (PROJECT_FILE, project),
+    ];
     if is_file {
         files.push(("world.toml", world_files::text(&arguments.world, 1)?));
     }
@@ -59,9 +76,10 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         outputs::write_new(&path, &text, false).map_err(|why| anyhow!("cannot write `{}`: {why}", path.shown()))?;
     }
     let told = format!(
-        "`{shown}` has a plan, main.rpl, that drives to `{place}`, and a test of it, tests.rpl. In that folder,\n\
+        "`{shown}` has a plan, main.rpl, that drives to `{place}`, tests of it, tests.rpl, and a scenario, turned.rpl. \
+         In that folder,\n\
          \x20 rpl run     runs the plan in the world that rpl.toml names\n\
-         \x20 rpl test    runs the test\n\
+         \x20 rpl test    runs the tests\n\
          \x20 rpl check   looks for faults without running anything"
     );
     console.explain_hanging(&told, 0)?;

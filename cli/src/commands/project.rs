@@ -11,6 +11,7 @@ use rpl_shell::arguments::duration::parse_duration_us;
 use rpl_shell::arguments::site::SiteArguments;
 use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
 use rpl_shell::files::plans;
+use rpl_shell::files::project_file::Project;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use std::ops::ControlFlow::Continue;
@@ -18,9 +19,9 @@ use std::ops::ControlFlow::Continue;
 /// Tells how a plan would probably go, by what the robot knows
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, or a built-in example; `-` for standard input
+    /// A plan file, or a built-in example; `-` for standard input; without it, the plan that `rpl.toml` names
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
-    file: String,
+    file: Option<String>,
     #[command(flatten)]
     site: SiteArguments,
     /// Another first value for a variable of the plan
@@ -43,6 +44,18 @@ pub struct Arguments {
     json: bool,
 }
 
+/// The arguments, with what the project of the plan says. What they say themselves holds.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    let named = arguments.file.as_slice();
+    let Some(project) = Project::of(named, ("project", "plan"), console)? else { return Ok(arguments) };
+    let plan = project.plan_or(arguments.file.take())?;
+    arguments.set = project.first_values(&plan, &arguments.set);
+    arguments.file = Some(plan);
+    arguments.site.in_project(&project.says);
+    Ok(arguments)
+}
+
 /// Runs the plan up to the moment and projects the rest.
 ///
 /// # Errors
@@ -51,7 +64,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if arguments.horizon == 0 {
         bail!("nothing can be projected for no time; write a time such as `--horizon 20min`");
     }
-    let plan = plans::plan(&arguments.file)?;
+    let arguments = &in_project(arguments, console)?;
+    let plan = plans::plan(arguments.file.as_deref().unwrap_or_default())?;
     let (site, _, _modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Never))?;
     let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
     let mut system = site.start(loaded, arguments.site.seed());

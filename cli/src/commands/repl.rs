@@ -17,6 +17,7 @@ use rpl_shell::arguments::site::SiteArguments;
 use rpl_shell::files::inputs;
 use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
 use rpl_shell::files::plans::{self, PlanText};
+use rpl_shell::files::project_file::Project;
 use rpl_shell::files::shown::Shown;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -62,6 +63,7 @@ pub fn run(
     if let Some(journal) = &arguments.journal {
         return with_journal(journal, arguments, command_line, stops_at_start, console);
     }
+    let arguments = &in_project(arguments, stops_at_start, console)?;
     let source = arguments.host.reach(&arguments.site, arguments.file.as_deref().unwrap_or("a session"))?;
     let (site, world, modules) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
@@ -91,6 +93,29 @@ pub fn run(
         recorder.finish().context("the recording cannot be written")?;
     }
     Ok(status)
+}
+
+/// The arguments, with what the project of the plan says, or, without a plan, that of the working folder. What they say
+/// themselves holds. To step through a project is to step through its plan.
+fn in_project(arguments: &Arguments, steps: bool, console: &mut Console) -> Result<Arguments> {
+    let mut arguments = arguments.clone();
+    let named = arguments.file.as_slice();
+    let project = if named.is_empty() {
+        Project::around_prompt(console)?
+    } else {
+        Project::of(named, ("repl", "plan"), console)?
+    };
+    let Some(project) = project else { return Ok(arguments) };
+    arguments.file = match arguments.file.take() {
+        None if steps => project.says.plan.clone(),
+        None => None,
+        named => Some(project.plan_or(named)?),
+    };
+    arguments.site.in_project(&project.says);
+    if arguments.host.host.is_some() {
+        arguments.site.scenario = None;
+    }
+    Ok(arguments)
 }
 
 /// The plan that the session begins with.
@@ -124,12 +149,12 @@ fn with_journal(
     console: &mut Console,
 ) -> Result<Status> {
     let shown = path.shown();
-    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
-        bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
-    }
+    must_have_no_host_or_module(arguments)?;
     if journal::is_there(path) {
         return go_on_with(path, arguments, command_line, console);
     }
+    let arguments = &in_project(arguments, stops_at_start, console)?;
+    must_have_no_host_or_module(arguments)?;
     let (site, world, _) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
     let recorded = recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?;
@@ -151,6 +176,13 @@ fn with_journal(
     };
     console.note(&format!("what is typed is written to `{shown}`; `rpl repl --journal {shown}` goes on with it"));
     rpl_prompt::run(&site, opening, console)
+}
+
+fn must_have_no_host_or_module(arguments: &Arguments) -> Result<()> {
+    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
+        bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
+    }
+    Ok(())
 }
 
 /// The prompt stands where the session of a journal stood, and goes on.

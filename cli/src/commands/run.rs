@@ -30,7 +30,7 @@ use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
 use rpl_shell::files::outputs::OutputFile;
 use rpl_shell::files::plans;
 use rpl_shell::files::plans::PlanText;
-use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::project_file::Project;
 use rpl_shell::files::shown::Shown;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -61,7 +61,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
     /// What the robot remembers of driving by cases: read at the start if it is there, written at the end
-    #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub cases: Option<PathBuf>,
     #[command(flatten)]
     pub journal: JournalArguments,
@@ -158,18 +158,19 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     run_on(&arguments, source, ModuleVoices::Processes(GoingBack::Never), None, console)
 }
 
-/// The arguments, with what a project says if they name one or no plan. What they say themselves holds.
+/// The arguments, with what the project of the plan says. What they say themselves holds.
 fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
     let mut arguments = arguments.clone();
     let named = arguments.file.as_slice();
-    let Some((file, project)) = ProjectFile::of(named, ("run", "plan"), console)? else { return Ok(arguments) };
-    arguments.file = Some(project.plan_to_run(&file)?);
-    if arguments.site.world.is_none() {
-        (arguments.site.world, arguments.site.robot) = (project.world, project.robot);
-        arguments.site.module = project.modules;
-        arguments.site.tells_modules = true;
+    let Some(project) = Project::of(named, ("run", "plan"), console)? else { return Ok(arguments) };
+    let plan = project.plan_or(arguments.file.take())?;
+    arguments.set = project.first_values(&plan, &arguments.set);
+    arguments.file = Some(plan);
+    arguments.site.in_project(&project.says);
+    if arguments.host.host.is_some() {
+        // Nothing happens to a robot there but what happens.
+        arguments.site.scenario = None;
     }
-    arguments.site.seed = arguments.site.seed.or(project.seed);
     Ok(arguments)
 }
 

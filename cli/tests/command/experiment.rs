@@ -62,6 +62,92 @@ fn an_experiment_on_a_plan_of_ones_own_draws_charts() {
     assert!(!results.join("error.svg").exists());
 }
 
+/// A plan whose runs differ by their seed, with a variable, a measure of its own, and a failure in some runs.
+const DRAW: &str = "(defvar most 6)
+(let ((drawn (random most)))
+  (wait-time (+ 10 (random 5.0)))
+  (measure 'drawn drawn)
+  (when (> drawn 4) (measure '|high, really| drawn))
+  (if (= drawn 5) (fail \"five\") (list drawn \"a, b\")))";
+
+#[test]
+fn what_a_plan_measures_and_returns_is_a_column_of_every_run() {
+    let folder = folder("experiment-measures");
+    let plan = put(&folder, "draw.rpl", DRAW);
+    let results = folder.join("results");
+    let found = run(&["experiment", &plan, "--runs", "20", "--results", &results.to_string_lossy()]);
+    assert_eq!(found.status, 1, "{}", found.errors);
+    assert!(found.out.contains("drawn        "), "{}", found.out);
+    let runs = text_in(&results, "runs.csv");
+    let lines: Vec<&str> = runs.lines().collect();
+    assert_eq!(lines[0], "row,seed,succeeded,fault,value,time [s],drawn,\"high, really\"");
+    // A column that comes up late is empty in the runs before.
+    assert!(lines[1].ends_with(','), "{}", lines[1]);
+    assert!(
+        lines.iter().any(|line| line.contains("false,\"plan-failure: five\",\"\",") && line.ends_with(",5,5")),
+        "{runs}"
+    );
+    assert!(lines.iter().any(|line| line.contains("true,\"\",\"(3 \"\"a, b\"\")\",")), "{runs}");
+    assert!(!results.join(".runs.csv.new").exists());
+}
+
+#[test]
+fn variants_are_compared_seed_by_seed() {
+    let folder = folder("experiment-variants");
+    let plan = put(&folder, "draw.rpl", "(defvar far 0) (wait-time (+ far (random 100.0))) (measure 'far far)");
+    let vary = ["experiment", &plan, "--runs", "12", "--vary", "far=10,30,(+ 10 5)"];
+    let found = run(&vary);
+    assert_eq!(found.status, 0, "{}", found.errors);
+    assert!(found.out.contains("far=10: 12 runs, seeds 1 to 12"), "{}", found.out);
+    // Chance is the same with the same seed: the variable alone makes the difference, and it has no spread.
+    let beside = found.out.split("far=30 beside far=10, seed by seed").nth(1).expect("a comparison");
+    assert!(beside.contains("succeeded     12      +0.0 %"), "{beside}");
+    assert!(beside.contains("time [s]      12      +20.00  +20.00 to +20.00"), "{beside}");
+    assert!(found.out.contains("far=(+ 10 5) beside far=10"), "{}", found.out);
+    // One variant, and an unknown one.
+    let row = run(&[&vary[..], &["--row", "far=30"]].concat());
+    assert!(row.out.contains("far=30: 12 runs") && !row.out.contains("beside"), "{}", row.out);
+    let unknown = run(&[&vary[..], &["--row", "far=31"]].concat());
+    assert!(unknown.errors.contains("has no row `far=31`; did you mean `far=30`?"), "{}", unknown.errors);
+    // Shards make the same table.
+    let parts = ["1", "2"].map(|shard| {
+        let part = folder.join(format!("{shard}.part")).to_string_lossy().into_owned();
+        let written = run(&[&vary[..], &["--shard", &format!("{shard}/2"), "--out", &part]].concat());
+        assert_eq!(written.status, 0, "{}", written.errors);
+        part
+    });
+    let merged = run(&["experiment", "merge", &parts[0], &parts[1]]);
+    assert_eq!((merged.status, &merged.out), (0, &found.out));
+}
+
+#[test]
+fn an_experiment_file_has_variants_with_plans_of_their_own() {
+    let folder = folder("experiment-file");
+    put(&folder, "slow.rpl", "(defvar pause 10) (wait-time pause)");
+    put(&folder, "fast.rpl", "(wait-time 4)");
+    let text = "plan = \"slow.rpl\"\nruns = 3\nseed = 7\nuntil = \"1min\"\n[[variant]]\nname = \"slow\"\n\
+                set = { pause = 12 }\n[[variant]]\nname = \"fast\"\nplan = \"fast.rpl\"\n";
+    let file = put(&folder, "compare.toml", text);
+    let found = run(&["experiment", &file, "--json"]);
+    assert_eq!(found.status, 0, "{}", found.errors);
+    let figures: Value = serde_json::from_str(&found.out).expect("one JSON object");
+    assert_eq!(figures["rows"][0]["seeds"], serde_json::json!([7, 9]));
+    let paired = &figures["paired"][0];
+    assert_eq!((&paired["name"], &paired["against"]), (&"fast".into(), &"slow".into()));
+    assert_eq!((&paired["measures"][0]["name"], &paired["measures"][0]["mean"]), (&"time [s]".into(), &(-8.0).into()));
+    for (wrong, told) in [
+        (text.replace("runs", "rums"), "unknown field `rums`"),
+        (text.replace("1min", "soon"), "until = \"soon\": a time such as 90s"),
+        (text.replace("\"fast\"\nplan", "\"slow\"\nplan"), "two variants are called `slow`"),
+        (text.replace("pause", "paws"), "the plan has no variable `paws` to set; did you mean `pause`?"),
+    ] {
+        let file = put(&folder, "wrong.toml", &wrong);
+        let found = run(&["experiment", &file]);
+        assert_eq!(found.status, 2, "{}", found.errors);
+        assert!(found.errors.contains(told), "{}", found.errors);
+    }
+}
+
 #[test]
 fn a_row_that_is_not_there_is_told_with_those_that_are() {
     for (experiment, row, meant) in

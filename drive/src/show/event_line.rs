@@ -1,6 +1,6 @@
 //! An event as a line that a person reads.
 
-use crate::events::{detail, report};
+use crate::events::{detail, measured, report};
 use rpl_lang::visible::visible;
 use rpl_runtime::state::trace::{Event, EventKind};
 
@@ -38,7 +38,8 @@ fn colour_of(event: &Event) -> Option<&'static str> {
         | EventKind::Blocked
         | EventKind::Woken
         | EventKind::Handled
-        | EventKind::Log => None,
+        | EventKind::Log
+        | EventKind::Measured => None,
     }
 }
 
@@ -79,6 +80,7 @@ fn what(event: &Event) -> String {
         EventKind::Behaviour => format!("{} {}", of("behaviour"), of("what")),
         EventKind::Signal => format!("{}: {}", of("behaviour"), of("signal")),
         EventKind::Robot => report(event),
+        EventKind::Measured => measured(event),
         EventKind::Log | EventKind::Warning => of("text").to_string(),
     }
 }

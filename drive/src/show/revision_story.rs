@@ -29,6 +29,7 @@ pub fn sentence(event: &Event) -> Option<String> {
         | EventKind::Signal
         | EventKind::Robot
         | EventKind::Log
+        | EventKind::Measured
         | EventKind::Warning => None,
     }
 }

@@ -212,6 +212,7 @@ impl Situation {
             | EventKind::Signal
             | EventKind::Robot
             | EventKind::Log
+            | EventKind::Measured
             | EventKind::Decided
             | EventKind::Warning => {}
         }

@@ -7,10 +7,12 @@ use rpl_mission::robot::Robot;
 use rpl_mission::sight::Account;
 use rpl_protocol::remote_host::HostRecord;
 use rpl_runtime::run::system::{Outcome, System};
-use rpl_runtime::state::value::Value;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::time::Instant;
 
 /// Characters of the plan's value that are shown.
@@ -27,6 +29,7 @@ pub struct RunSummary {
     #[serde(flatten)]
     account: Account,
     relocalizations: u64,
+    measures: Map<String, Value>,
     wall_s: f64,
     seed: u64,
 }
@@ -84,9 +87,15 @@ pub fn summarize(system: &System<Robot>, ending: RunEnd, observed: &Observed, se
         failure,
         account: system.outside.account().unwrap_or(Account::NOTHING),
         relocalizations: observed.relocalizations,
+        measures: measures(&system.machine),
         wall_s: (began.elapsed().as_secs_f64() * 1e3).round() / 1e3,
         seed,
     }
+}
+
+/// What a plan has measured of its run, by name.
+fn measures(machine: &Machine) -> Map<String, Value> {
+    machine.measures.iter().map(|(name, number)| (machine.symbols.name(name).to_string(), number.into())).collect()
 }
 
 /// Tells a person how it went.
@@ -100,7 +109,7 @@ pub fn report(system: &System<Robot>, ending: RunEnd, summary: &RunSummary, cons
         return;
     }
     if let (RunEnd::Outcome(Outcome::Succeeded(value)), Some(text)) = (ending, &summary.value)
-        && value != Value::Nil
+        && value != value::Value::Nil
     {
         console.note(&format!("value: {}", beginning(text)));
     }

@@ -31,6 +31,15 @@ pub struct Identity {
     pub robot: Option<String>,
     /// `--scenario`
     pub scenario: Option<String>,
+    /// `--module`
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modules: Vec<String>,
+    /// `--set`
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    /// `--vary`
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vary: Vec<String>,
     /// `--row`
     pub row: Option<String>,
     /// `--maps`
@@ -54,6 +63,9 @@ impl Identity {
             world: request.world.clone(),
             robot: request.robot_name.clone(),
             scenario: request.scenario.clone(),
+            modules: request.modules.clone(),
+            set: request.set.clone(),
+            vary: request.vary.clone(),
             row: request.row.clone(),
             maps: request.maps.clone(),
             cases: request.cases.clone(),
@@ -74,6 +86,9 @@ impl Identity {
             ("world", told(&self.world), told(&other.world)),
             ("robot", told(&self.robot), told(&other.robot)),
             ("scenario", told(&self.scenario), told(&other.scenario)),
+            ("set of modules", quoted(&self.modules.join(" ")), quoted(&other.modules.join(" "))),
+            ("first value", quoted(&self.set.join(" ")), quoted(&other.set.join(" "))),
+            ("set of variants", quoted(&self.vary.join(" ")), quoted(&other.vary.join(" "))),
             ("row", told(&self.row), told(&other.row)),
             ("folder of maps", told(&shown(&self.maps)), told(&shown(&other.maps))),
             ("case file", told(&shown(&self.cases)), told(&shown(&other.cases))),

@@ -212,13 +212,13 @@ fn wrong_kind(check: &Check<'_>, form: &str, kind: Kind, around: Span, ir: &Ir, 
     let form = if form.contains(' ') { form.to_string() } else { format!("`{form}`") };
     let message = format!("{form} wants {}, and `{shown}` is {}", kind.noun(), found.noun());
     let warning = check.warning("wrong-kind", place, message, format!("not {}", kind.noun()));
-    warnings.push(match advice(check, kind, found, ir) {
+    warnings.push(match advice(check, &form, kind, found, ir) {
         Some(advice) => warning.help(advice),
         None => warning,
     });
 }
 
-fn advice(check: &Check<'_>, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
+fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
     match (kind, found) {
         (Kind::Seconds | Kind::Number | Kind::Angle | Kind::Integer, Found::Text) => {
             let IrKind::Const(constant) = ir.kind else { return None };
@@ -230,7 +230,11 @@ fn advice(check: &Check<'_>, kind: Kind, found: Found, ir: &Ir) -> Option<String
             let is_defined = check.subject.symbols.find(name).is_some_and(|symbol| {
                 check.subject.program.names.contains_key(&symbol) || check.natives.contains_key(name)
             });
-            is_defined.then(|| format!("without the quote `{name}` is the thing itself"))
+            let is_thing = matches!(kind, Kind::Valve | Kind::Fluent | Kind::Task | Kind::Behaviour | Kind::Function);
+            if is_defined || is_thing {
+                return Some(format!("without the quote `{name}` is the thing itself"));
+            }
+            matches!(form, "`=`" | "`/=`").then(|| "`eq` compares symbols".to_string())
         }
         (_, Found::Fluent) => Some(format!("its value is `(value {})`", check.shown(ir))),
         _ => None,

@@ -225,6 +225,8 @@ impl<'a> Compiler<'a> {
             true => "leave out the `=`".to_string(),
             false => infix.advice(),
         });
+        let branches = "`(seq FORM...)` makes one form of several, and `cond` has several branches";
+        let help = help.or_else(|| form.starts_with("`(if ").then(|| branches.to_string()));
         self.error("malformed", span, format!("this is not of the form {form}"), format!("expected {form}")).help =
             help;
         self.nil(span)

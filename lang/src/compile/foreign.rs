@@ -57,6 +57,7 @@ const WORDS: &[(&[&str], &str)] = &[
     (&["=="], "`=` compares numbers, `equal` everything"),
     (&["!="], "`/=` tells whether numbers differ"),
     (&["!"], "`(not VALUE)` is true for nil"),
+    (&["//", "--"], "a comment begins with `;`"),
     (&["&&"], "`(and FORM...)` is true if all forms are"),
 ];
 

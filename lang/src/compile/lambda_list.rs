@@ -109,7 +109,8 @@ impl Compiler<'_> {
             if let Some(name) = self.tree.plain_symbol(node).filter(|&name| self.is_bindable(name)) {
                 return Some((self.bind(name, span), Vec::new()));
             }
-            self.error("parameter-list", span, "a parameter must be a name", "expected a name");
+            self.error("parameter-list", span, "a parameter must be a name", "expected a name").help =
+                Some("the list of parameters stands before the forms; without parameters it is `()`".into());
         }
         self.bind_all(node);
         None

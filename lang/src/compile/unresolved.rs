@@ -119,9 +119,10 @@ impl Compiler<'_> {
             let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
             let suggestion = self.suggestion(&text, unknown.around, is_argument, known, work);
             let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
+            let elsewhere = self.suggestion_elsewhere(&text, work);
             let keyword = text.strip_suffix(':').filter(|name| !name.is_empty());
             let keyword = keyword.map(|name| format!("the colon of a keyword stands first: `:{name}`"));
-            let help = foreign.or(unit).or(keyword).or(suggestion).or(goal).or(quoted);
+            let help = foreign.or(unit).or(keyword).or(suggestion).or(elsewhere).or(goal).or(quoted);
             self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help = help;
         }
     }
@@ -279,6 +280,17 @@ impl Compiler<'_> {
         *work = work.checked_sub(compared)?;
         let all = locals.iter().chain(&known.values).chain(forms).map(|&name| self.symbols.name(name));
         suggest(text, all.filter(|&name| name != text)).map(str::to_string)
+    }
+
+    /// A name of the robot's or of scenarios' that was probably meant, and what has it.
+    fn suggestion_elsewhere(&self, text: &str, work: &mut usize) -> Option<String> {
+        *work = work.checked_sub(self.robot_names.len() + self.scenario_names.len())?;
+        let of_robot = suggest(text, self.robot_names.iter().map(String::as_str))
+            .map(|near| format!("did you mean `{near}`? A robot has it: add `--world dept`"));
+        of_robot.or_else(|| {
+            let near = suggest(text, self.scenario_names.iter().map(String::as_str))?;
+            Some(format!("did you mean `{near}`? A scenario has it, and this text is read as a plan"))
+        })
     }
 
     pub(super) fn check_calls(&mut self) {

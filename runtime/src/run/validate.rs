@@ -64,6 +64,9 @@ impl Machine {
         }
         ensure(self.priorities.is_whole(), "the table of priorities is wrong")?;
         self.validate_lines()?;
+        for (name, _) in self.measures.iter() {
+            self.symbol(name)?;
+        }
         for timer in self.timers.iter() {
             self.validate_reference(timer.task)?;
         }

@@ -4,6 +4,7 @@ use crate::state::activation::Activation;
 use crate::state::fluent::{Fluent, Watch};
 use crate::state::heap::Heap;
 use crate::state::limits::{Limits, Spent};
+use crate::state::measures::Measures;
 use crate::state::output::Output;
 use crate::state::priorities::Priorities;
 use crate::state::projected::ProjectedRun;
@@ -76,6 +77,8 @@ pub struct Machine {
     pub trace: Trace,
     /// Output not yet taken.
     pub output: Vec<Output>,
+    /// What the plan has measured of itself.
+    pub measures: Measures,
     /// Bytes of the code made at run time.
     pub(crate) unit_bytes: usize,
     /// Limits.
@@ -128,6 +131,7 @@ impl Machine {
             main: NONE,
             trace: Trace::default(),
             output: Vec::new(),
+            measures: Measures::default(),
             unit_bytes: 0,
             limits: Limits::default(),
             steps: 0,

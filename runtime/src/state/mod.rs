@@ -11,6 +11,7 @@ pub mod heap;
 pub mod limits;
 pub mod line;
 pub mod machine;
+pub mod measures;
 pub(crate) mod memory;
 pub mod mixed;
 pub mod output;

@@ -47,6 +47,8 @@ pub enum EventKind {
     Decided,
     /// `(log …)`.
     Log,
+    /// `(measure …)`: `measure`, `value`.
+    Measured,
     /// Something a person should know.
     Warning,
 }
@@ -74,6 +76,7 @@ impl EventKind {
             EventKind::Swapped => "swapped",
             EventKind::Decided => "decided",
             EventKind::Log => "log",
+            EventKind::Measured => "measured",
             EventKind::Warning => "warning",
         }
     }

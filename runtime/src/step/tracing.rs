@@ -317,6 +317,14 @@ impl Machine {
         }
     }
 
+    pub(crate) fn trace_measured(&mut self, name: Symbol, number: f64) {
+        if self.trace.enabled {
+            let path = self.current_path();
+            let name = self.symbols.name(name).to_string();
+            self.event(path, EventKind::Measured, vec![("measure", name), ("value", number.to_string())]);
+        }
+    }
+
     pub(crate) fn trace_warning(&mut self, text: &str) {
         if self.trace.enabled {
             let path = self.current_path();

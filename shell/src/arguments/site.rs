@@ -4,9 +4,10 @@ use crate::arguments::completion;
 use crate::arguments::numbers::positive;
 use crate::files::case_files::KeptCases;
 use crate::files::module_files::{self, ModuleVoices, Modules};
+use crate::files::project_file::ProjectFile;
 use crate::files::{plans, robot_files, world_files};
 use crate::sites;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_mission::cost::MEMORY_GIB;
@@ -24,38 +25,24 @@ pub struct SiteArguments {
     /// The world the robot is in: a built-in name, or a .toml file; `arena` is drawn from the seed
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: Option<String>,
-    /// The robot: a built-in name, or a .toml file; `b21` without
-    #[arg(long, value_name = "R", requires = "world", add = ArgValueCompleter::new(completion::robots))]
+    /// The robot: a built-in name, or a .toml file (default: b21)
+    #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     pub robot: Option<String>,
-    /// What the robot knows of the world: what is mapped there (`world`), or nothing (`none`)
-    #[arg(
-        long,
-        value_name = "M",
-        value_enum,
-        default_value_t = MapArgument::World,
-        requires = "world",
-        hide_possible_values = true
-    )]
-    pub map: MapArgument,
-    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`), or, for larger worlds,
+    /// What the robot knows of the world: what is mapped there (`world`, the default), or nothing (`none`)
+    #[arg(long, value_name = "M", value_enum, hide_possible_values = true)]
+    pub map: Option<MapArgument>,
+    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`, the default), or, for larger worlds,
     /// 30 cm and 6° (`coarse`)
-    #[arg(
-        long,
-        value_name = "G",
-        value_enum,
-        default_value_t = GridArgument::Fine,
-        requires = "world",
-        hide_possible_values = true
-    )]
-    pub grid: GridArgument,
+    #[arg(long, value_name = "G", value_enum, hide_possible_values = true)]
+    pub grid: Option<GridArgument>,
+    #[arg(long, value_name = "GIB", help = memory_help(), value_parser = positive)]
     /// The memory that the map and the belief of a world may take, in GiB
-    #[arg(long, value_name = "GIB", requires = "world", default_value_t = MEMORY_GIB, value_parser = positive)]
-    pub memory: f64,
-    /// Seed of every random stream; 1 without
+    pub memory: Option<f64>,
+    /// Seed of every random stream (default: 1)
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// A module in another process, by its manifest; once for each
-    #[arg(long, value_name = "FILE", requires = "world", value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub module: Vec<String>,
     /// Whether they were named elsewhere than on the command line, so that it is told what is started.
     #[arg(skip)]
@@ -65,9 +52,14 @@ pub struct SiteArguments {
     pub scenario: Option<String>,
 }
 
+fn memory_help() -> String {
+    format!("The memory that the map and the belief of a world may take, in GiB (default: {MEMORY_GIB})")
+}
+
 /// What the robot knows of the world.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MapArgument {
+    #[default]
     /// What the world says is mapped
     World,
     /// Nothing
@@ -85,8 +77,9 @@ impl MapArgument {
 }
 
 /// How fine the grid of the belief is.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GridArgument {
+    #[default]
     /// 15 cm and 2°
     Fine,
     /// 30 cm and 6°
@@ -100,6 +93,52 @@ impl SiteArguments {
     /// The seed of every random stream.
     pub fn seed(&self) -> u64 {
         self.seed.unwrap_or(FIRST_SEED)
+    }
+
+    /// What the robot knows of the world.
+    pub fn map(&self) -> MapArgument {
+        self.map.unwrap_or_default()
+    }
+
+    /// How fine the grid of the belief is.
+    pub fn grid(&self) -> GridArgument {
+        self.grid.unwrap_or_default()
+    }
+
+    /// The memory that the map and the belief of a world may take, in GiB.
+    pub fn memory_gib(&self) -> f64 {
+        self.memory.unwrap_or(MEMORY_GIB)
+    }
+
+    /// Takes from a project what is not said here.
+    pub fn in_project(&mut self, project: &ProjectFile) {
+        let or = |mine: &mut Option<String>, its: &Option<String>| *mine = mine.take().or_else(|| its.clone());
+        or(&mut self.world, &project.world);
+        if self.world.is_some() {
+            or(&mut self.robot, &project.robot);
+            or(&mut self.scenario, &project.scenario);
+            if self.module.is_empty() {
+                self.module.clone_from(&project.modules);
+                self.tells_modules = true;
+            }
+        }
+        self.seed = self.seed.or(project.seed);
+    }
+
+    /// # Errors
+    /// Something is said of a robot, and there is none.
+    fn must_have_robot_or_nothing_of_it(&self) -> Result<()> {
+        let said = [
+            ("--robot", self.robot.is_some()),
+            ("--map", self.map.is_some()),
+            ("--grid", self.grid.is_some()),
+            ("--memory", self.memory.is_some()),
+            ("--module", !self.module.is_empty()),
+        ];
+        match said.iter().find(|(_, is_said)| *is_said && self.world.is_none()) {
+            Some((option, _)) => bail!(needs_world(option)),
+            None => Ok(()),
+        }
     }
 
     /// The site, the world of its robot if there is one, and its modules, which have not been started.
@@ -120,7 +159,11 @@ impl SiteArguments {
         voices: ModuleVoices<'_>,
         cases: Option<&Path>,
     ) -> Result<(Site, Option<World>, Modules, Option<KeptCases>)> {
+        self.must_have_robot_or_nothing_of_it()?;
         let Some(world) = &self.world else {
+            if cases.is_some() {
+                bail!(needs_world("--cases"));
+            }
             let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
             return Ok((sites::without_robot(scenario.as_ref())?, None, Modules::default(), None));
         };
@@ -132,19 +175,24 @@ impl SiteArguments {
         let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
         let (modules, sources) = module_files::named(&self.module, voices)?;
         let usual = OfficeSettings::of(robot);
-        let localization = match self.grid {
+        let localization = match self.grid() {
             GridArgument::Fine => usual.localization,
             GridArgument::Coarse => usual.localization.coarsened(),
         };
-        let settings = OfficeSettings { map_known: self.map == MapArgument::World, localization, ..usual };
+        let settings = OfficeSettings { map_known: self.map() == MapArgument::World, localization, ..usual };
         compute_along();
         let site = sites::build(
-            Setup { world: Some(world.clone()), settings, memory_gib: self.memory, rupart, ..Setup::default() },
+            Setup { world: Some(world.clone()), settings, memory_gib: self.memory_gib(), rupart, ..Setup::default() },
             scenario,
             sources,
         )?;
         Ok((site, Some(world), modules, cases))
     }
+}
+
+/// What is said of an option that is about a robot in a world, and there is none.
+pub fn needs_world(option: &str) -> String {
+    format!("`{option}` is about a robot in a world, and there is none; add `--world dept`")
 }
 
 /// Makes this thread one of those that compute what is shared out. Otherwise it would wait for as many others, and they

@@ -11,5 +11,7 @@ pub mod outputs;
 pub mod plans;
 pub mod project_file;
 pub mod robot_files;
+pub mod roles;
 pub mod shown;
+pub mod toml_files;
 pub mod world_files;

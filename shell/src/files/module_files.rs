@@ -116,6 +116,13 @@ fn read(ManifestFile { name, path }: &ManifestFile) -> Result<(Arc<Manifest>, Op
     Ok((Arc::new(manifest), plans))
 }
 
+/// The file of the plans that belong to the module of a manifest, as the manifest names it; none if there is none, or
+/// the manifest has faults, which are told where it is used.
+pub fn plans_of(manifest: &str) -> Option<String> {
+    let text = inputs::short_text(Path::new(manifest)).ok()?;
+    Manifest::parse(&text, manifest).ok()?.plans.as_ref().map(|plans| plans.to_string())
+}
+
 /// Where a manifest lies.
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))

@@ -190,6 +190,24 @@ impl OutputFolder {
         File::create(&path).with_context(|| format!("cannot write `{}`", path.shown()))
     }
 
+    /// What stands there already, to be read.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn read(&self, name: &str) -> Result<File> {
+        let path = self.path.join(name);
+        File::open(&path).with_context(|| format!("cannot read `{}` again", path.shown()))
+    }
+
+    /// Gives a file the place of another one.
+    ///
+    /// # Errors
+    /// It cannot be moved.
+    pub fn replace(&self, new: &str, old: &str) -> Result<()> {
+        let (new, old) = (self.path.join(new), self.path.join(old));
+        fs::rename(&new, &old).with_context(|| format!("cannot write `{}`", old.shown()))
+    }
+
     /// Writes what is no figure.
     ///
     /// # Errors

@@ -25,7 +25,8 @@ use rpl_shell::arguments::{completion, plan_files};
 use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
 use rpl_shell::files::outputs::OutputFile;
 use rpl_shell::files::plans::{self, PlanText};
-use rpl_shell::files::project_file::ProjectFile;
+use rpl_shell::files::project_file::{Project, ProjectFile};
+use rpl_shell::files::roles::{self, Role, Roles};
 use rpl_shell::files::{robot_files, world_files};
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -116,19 +117,24 @@ impl TestRecord {
     }
 }
 
-/// The arguments, with what a project says if they name one or no file.
-fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments> {
+/// The arguments, with what the project of the files says. What they say themselves holds.
+fn in_project(arguments: &Arguments, console: &mut Console) -> Result<(Arguments, Option<ProjectFile>)> {
     let mut arguments = arguments.clone();
-    if let Some((file, project)) = ProjectFile::of(&arguments.files, ("test", "test"), console)? {
-        arguments.files = vec![ProjectFile::folder_of(&file)];
-        if arguments.world.is_none() {
-            (arguments.world, arguments.robot) = (project.world, arguments.robot.or(project.robot));
-            arguments.module = project.modules;
-            arguments.tells_modules = true;
-        }
-        arguments.seed = arguments.seed.or(project.seed);
+    let Some(project) = Project::of(&arguments.files, ("test", "test"), console)? else {
+        return Ok((arguments, None));
+    };
+    if project.is_meant {
+        arguments.files = vec![project.folder()];
     }
-    Ok(arguments)
+    let says = project.says;
+    arguments.world = arguments.world.or_else(|| says.world.clone());
+    arguments.robot = arguments.robot.or_else(|| says.robot.clone());
+    if arguments.module.is_empty() {
+        arguments.module.clone_from(&says.modules);
+        arguments.tells_modules = true;
+    }
+    arguments.seed = arguments.seed.or(says.seed);
+    Ok((arguments, Some(says)))
 }
 
 /// Runs the tests of all files.
@@ -136,7 +142,7 @@ fn in_project(arguments: &Arguments, console: &mut Console) -> Result<Arguments>
 /// # Errors
 /// There is no test, or no file and no project, or standard output is closed.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let arguments = &in_project(arguments, console)?;
+    let (arguments, project) = &in_project(arguments, console)?;
     let junit = arguments.junit.as_deref().map(|path| OutputFile::open(path, "the report")).transpose()?;
     let _stops = interrupt::stops_runs();
     let began = Instant::now();
@@ -148,13 +154,20 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         arguments,
         robot,
         colour,
-        is_one: files.len() == 1,
+        is_one: false,
         sites: BTreeMap::new(),
         modules: sources,
         starts_modules: false,
         report: TestReport::default(),
     };
-    let plans: Vec<_> = files.iter().map(read).collect();
+    let texts: Vec<_> = files.iter().map(read).collect();
+    let roles = Roles::of(project.as_ref(), texts.iter().flatten());
+    // Scenarios and the plans of modules have no tests, and cannot be read as plans.
+    let is_plan = |(_, text): &(_, Result<PlanText, String>)| {
+        text.as_ref().map_or(true, |text| roles.role(&text.name) == Role::Plan)
+    };
+    let (files, plans): (Vec<_>, Vec<_>) = files.into_iter().zip(texts).filter(is_plan).unzip();
+    session.is_one = files.len() == 1;
     // Nothing is started for texts that have errors.
     session.starts_modules = !session.modules.is_empty() && session.are_all_right(&plans)?;
     if session.starts_modules && arguments.tells_modules {
@@ -210,7 +223,11 @@ fn summary(report: &TestReport) -> String {
     let count = report.tests.len();
     let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
     let how = match (report.failed, report.interrupted) {
-        (0, false) => "all ok".to_string(),
+        (0, false) if report.faulty_files.is_empty() => "all ok".to_string(),
+        (0, false) => match report.faulty_files.len() {
+            1 => "ok, but a file has errors".to_string(),
+            faulty => format!("ok, but {faulty} files have errors"),
+        },
         (0, true) => "then interrupted".to_string(),
         (failed, false) => format!("{failed} failed"),
         (failed, true) => format!("{failed} failed, then interrupted"),
@@ -294,7 +311,7 @@ impl TestSession<'_> {
     /// its failure; the others can still run.
     fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<TestRecord> {
         let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
-        let scenario = test.options.scenario.as_deref().map(str::to_string);
+        let scenario = test.options.scenario.as_deref().map(|scenario| roles::beside(&plan.name, scenario));
         if world.is_none() && scenario.is_none() {
             let (site, loaded) = without_world;
             return self.run_test(site, loaded.clone(), test, None);

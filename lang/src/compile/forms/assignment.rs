@@ -72,6 +72,7 @@ impl Compiler<'_> {
                     self.network_assignment(span);
                 }
                 let text = self.symbols.name(name).to_string();
+                let is_constant = matches!(self.program.globals[global as usize].kind, GlobalKind::Constant);
                 match self.program.globals[global as usize].kind {
                     GlobalKind::Variable => {}
                     GlobalKind::Fluent => {
@@ -88,7 +89,12 @@ impl Compiler<'_> {
                         });
                     }
                     _ => {
-                        self.error("assigns-constant", span, format!("`{text}` cannot be assigned"), "not a variable");
+                        let message = format!("`{text}` cannot be assigned");
+                        let help = match is_constant {
+                            true => "what `defvar` defines can be assigned".to_string(),
+                            false => format!("call the variable something else: `{text}` means something already"),
+                        };
+                        self.error("assigns-constant", span, message, "not a variable").help = Some(help);
                     }
                 }
                 Ir { span, kind: IrKind::SetGlobal(global, value) }

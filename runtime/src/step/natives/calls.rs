@@ -1,6 +1,7 @@
 //! Calls of function values, plans as data, chance, and output.
 
 use crate::state::failure::Raise;
+use crate::state::measures::MOST_MEASURES;
 use crate::state::output::Channel;
 use crate::state::projected::Asked;
 use crate::state::value::Value;
@@ -57,6 +58,13 @@ pub(super) const NATIVES: &[Native] = &[
         effect: Effect::None,
         code: Plain(log),
     },
+    Native {
+        name: "measure",
+        parameters: "symbol number",
+        doc: "Measures this run: a number by its name, a column of an experiment; the last one of a name counts.",
+        effect: Effect::None,
+        code: Plain(measure),
+    },
 ];
 
 fn close_over(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
@@ -108,5 +116,23 @@ fn log(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     call.burn_text(text.len());
     call.machine.trace_log(&text);
     call.machine.put_out(Channel::Log, text);
+    Ok(Reply::Value(value))
+}
+
+fn measure(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
+    let Value::Symbol(name) = call.argument(0) else { return Err(call.wrong_type(0)) };
+    let (value, number) = (call.argument(1), call.number(1)?);
+    if !number.is_finite() {
+        let (what, found) = (call.which(1), call.machine.described(value));
+        return Err(Raise::new("arithmetic-error", format!("{what} must be finite, and it is {found}")));
+    }
+    if !call.machine.measures.put(name, number) {
+        let name = call.machine.symbols.name(name).to_string();
+        return Err(Raise::new(
+            "error",
+            format!("a run has at most {MOST_MEASURES} measures, and `{name}` would be one more"),
+        ));
+    }
+    call.machine.trace_measured(name, number);
     Ok(Reply::Value(value))
 }

@@ -1,6 +1,7 @@
 //! Values: what a text can write down, how values compare and print, the library around them.
 
-use rpl_tests::{check, run};
+use rpl_runtime::run::system::Progress;
+use rpl_tests::{check, run, system};
 
 /// r[read.number], r[read.one-plus]
 #[test]
@@ -95,6 +96,26 @@ fn format_returns_a_string() {
 #[test]
 fn log_writes_elsewhere_and_returns_its_argument() {
     check("(list (log \"seen\") (log '(1 \"b\")))", "log: seen\nlog: (1 \"b\")\n=> (\"seen\" (1 \"b\"))");
+}
+
+/// r[value.measure]
+#[test]
+fn the_last_measure_of_a_name_counts_and_a_run_has_a_hundred() {
+    let mut measured = system("(measure 'rooms 1) (measure 'way 2.5) (measure 'rooms 4)");
+    while measured.advance() == Progress::Running {}
+    let machine = &measured.machine;
+    let found: Vec<(&str, f64)> =
+        machine.measures.iter().map(|(name, number)| (machine.symbols.name(name), number)).collect();
+    assert_eq!(found, [("rooms", 4.0), ("way", 2.5)]);
+    check("(measure 'rooms 4)", "=> 4");
+    let many = |count: usize| format!("(dotimes (i {count}) (measure (intern (format \"m~a\" i)) i))");
+    check(&many(100), "=> nil");
+    let failure = run(&many(101));
+    assert!(failure.contains("a run has at most 100 measures, and `m100` would be one more"), "{failure}");
+    for (wrong, why) in [("\"a\" 1", "a symbol"), ("'a nil", "a number"), ("'a +inf.0", "must be finite")] {
+        let failure = run(&format!("(measure {wrong})"));
+        assert!(failure.contains(why), "{failure}");
+    }
 }
 
 /// r[value.random]

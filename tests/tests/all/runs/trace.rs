@@ -13,6 +13,7 @@ const EVERYTHING: &str = "
 (def-plan serve (who)
   (with-valve arm (on-interrupt (log \"tray down\") (wait-time 2) (log who))))
 (with-policy (whenever bell (with-valve arm (wait-time 1)))
+  (measure 'served 1)
   (par (serve 'first)
        (seq (wait-time 1) (setf (value bell) t) (pulse bell))
        (ignore-failures (timeout) (with-timeout 0.5 (unwind-protect (wait-time 9) (fail \"late\"))))))
@@ -32,7 +33,7 @@ fn the_trace_tells_all_that_happened() {
     let kinds: BTreeSet<&str> = events.iter().map(|event| event.kind.name()).collect();
     for kind in [
         "begin", "end", "call", "return", "blocked", "woken", "fluent", "pulse", "valve", "failed", "handled", "log",
-        "warning",
+        "measured", "warning",
     ] {
         assert!(kinds.contains(kind), "no event of kind {kind}: {kinds:?}");
     }
