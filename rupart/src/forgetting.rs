@@ -36,10 +36,10 @@ impl Capacity {
     }
 }
 
-/// So many cases, those that have helped least for their age, are looked at more closely.
+/// How many cases, those that have helped least for their age, are looked at more closely.
 const LOOKED_AT: usize = 8;
 
-/// Forgets a case of a kind if there are more than so many: of those that have helped least for their age the one that
+/// Forgets a case of a kind if there are too many of it: of those that have helped least for their age the one that
 /// most others can stand in for, of several the one that has helped least. Goals and what every memory begins with stay.
 /// Routes stand in for others by the times that are known. Cost: a pass over the cases of the kind; for each of eight of
 /// them a retrieval or, of routes, the stops of all.

@@ -36,7 +36,7 @@ pub enum CaseFault {
         /// The other.
         to: String,
     },
-    /// The route takes so many times as long as the quickest that is known.
+    /// The route takes several times as long as the quickest that is known.
     Poor {
         /// How many times.
         times: f64,
@@ -46,7 +46,7 @@ pub enum CaseFault {
         /// That case.
         by: CaseNumber,
     },
-    /// It was used so often and never led to the goal.
+    /// It was used several times and never led to the goal.
     NeverSucceeded {
         /// How often.
         used: u32,

@@ -72,8 +72,8 @@ impl Similarity {
     /// Every feature counts 1.
     pub const UNIT_WEIGHTS: Weights = [1.0; Feature::COUNT];
 
-    /// What is missing counts so much that which of short-term goal, long-term goal and place there are decides
-    /// on the kind: each of these, in this order, counts more than all that come after it together.
+    /// A feature that only one side has costs so much that the presence of a short-term goal, a long-term goal and a
+    /// place decides the kind: each of these, in this order, counts more than all that come after it together.
     pub const CERTAIN: Weights = [1.0, 1.0, 1.0, 1.0, 4.0, 32.0, 8.0, 1.0, 1.0, 1.0, 1.0];
 
     /// Places do not count for how to drive: absolute positions in behaviour cases make retrieval worse.

@@ -1,7 +1,7 @@
 //! Runs generated programs, many of them:
 //! `cargo run --release -p rpl-tests --example generated -- --runs 1000000 --seed 1`.
 //!
-//! `--skip N` begins behind so many programs. `--findings N` goes on until so many findings. `--texts N`
+//! `--skip N` begins behind N programs. `--findings N` goes on until N findings. `--texts N`
 //! mangles texts for the reader and the compiler instead, `--forgeries N` forges saved runs.
 
 use rpl_tests::generated::drive::{Case, Tally};

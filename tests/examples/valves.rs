@@ -3,7 +3,7 @@
 //!
 //! Two children each before a valve of one place, with everything that can happen to each task at each step, and three
 //! children each; and one child more than there are places before valves of two and three, one program of a thousand of
-//! the last. `--every N` takes one program of so many, `--from N` begins with that one, `--blows3` lets things happen
+//! the last. `--every N` takes one program of N, `--from N` begins with that one, `--blows3` lets things happen
 //! to those of three children and more too.
 
 use rpl_tests::options::{is_given, number};

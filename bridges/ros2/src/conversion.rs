@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// what the bumper has stopped waits until the robot stands.
 const STANDING: Velocity = Velocity { translation_mps: 0.005, rotation_radps: 0.01 };
 
-/// By so much less than its description says a sensor may reach: numbers of 32 bits do not say 3.5 exactly.
+/// How much less than its description says a sensor may reach: numbers of 32 bits do not say 3.5 exactly.
 const REACH_SLACK_M: f64 = 1e-3;
 
 /// What odometry says.

@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// What does not come in so long never comes.
+/// What does not come within this time never comes.
 const DEADLINE: Duration = Duration::from_secs(30);
 
 const DOMAIN: u16 = 77;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::time::{Duration, Instant};
 
-/// Who has said nothing for so long is lost.
+/// A sender that has said nothing for longer than this is lost.
 pub const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What is taken in at once, at most; the rest has to wait.

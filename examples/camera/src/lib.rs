@@ -73,7 +73,7 @@ impl Module for Camera {
     }
 }
 
-/// The camera turns by so much in a step; it sees so far to both sides, and so far ahead.
+/// By how much the camera turns in a step, and how far it sees to both sides and ahead.
 const STEP_RAD: f64 = 0.05;
 const HALF_VIEW_RAD: f64 = 0.4;
 const RANGE_M: f64 = 4.0;

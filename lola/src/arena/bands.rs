@@ -30,7 +30,7 @@ pub fn centimetres(stream: &mut Stream, (least_mm, most_mm): Interval) -> Millim
 }
 
 impl Bands {
-    /// With so many hallways.
+    /// With a number of hallways.
     pub fn draw(stream: &mut Stream, hallways: usize, walls_mm: Millimetres) -> Self {
         let mut gaps_mm = Vec::with_capacity(hallways + 1);
         let mut from_mm = MARGIN_MM;

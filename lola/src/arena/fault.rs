@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// What was done to an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum FaultKind {
-    /// It names an opening that does not exist: there are not so many.
+    /// It names an opening that does not exist: there are fewer.
     NoSuchOpening,
     /// It names an opening of another kind.
     AnotherKind,
@@ -29,7 +29,7 @@ impl FaultKind {
 /// What somebody who counts right finds of a wrong instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Finding {
-    /// There are not so many openings on that side.
+    /// There are fewer openings on that side.
     NoSuchOpening,
     /// It is one of another kind.
     AnotherKind(Feature),

@@ -188,7 +188,7 @@ impl FloorPlan {
         let [left, right, below, above] = edges(block).map(|edge| self.hallway_beside(edge).is_some());
         let mut rest = block;
         let mut rooms = Vec::new();
-        // A strip of rooms takes so much depth, and leaves a row beside it.
+        // The depth of a strip of rooms, from and to; it leaves a row beside it.
         let strip_mm = (3000, 4200);
         let has_room = |rest: Area| rest.x_mm.1 - rest.x_mm.0 > 2 * strip_mm.1;
         if left && below && above && has_room(rest) && stream.chance(0.5) {
@@ -338,7 +338,7 @@ fn pieces(stream: &mut Stream, (from_mm, to_mm): Interval) -> Vec<Interval> {
     let fewest = (length_mm + most_mm - 1) / most_mm;
     let most = (length_mm / least_mm).max(fewest);
     let count = fewest + stream.index(usize::try_from(most - fewest + 1).unwrap_or(1)) as Millimetres;
-    // Each cut may be off by so much that no piece becomes too short.
+    // How far each cut may be off without a piece becoming too short.
     let play_cm = ((length_mm / count - least_mm) / 20).max(0);
     let mut cuts = vec![from_mm];
     for cut in 1..count {

@@ -27,16 +27,16 @@ pub struct Furniture {
     pub start_heading_deg: Millimetres,
 }
 
-/// The robot starts so far from walls and boxes: more than the radius of either robot.
+/// How far from walls and boxes the robot starts: more than the radius of either robot.
 const START_OFF_MM: Millimetres = 450;
 
-/// A robot that starts in a hallway stands so far off its blind end ...
+/// A robot that starts in a hallway stands this far off its blind end ...
 const START_OFF_END_MM: Millimetres = 450;
 
-/// ... and is turned by up to so much.
+/// ... and is turned by at most this angle.
 const ROUGHLY_DEG: usize = 10;
 
-/// Before a door, on the room's side, so much floor stays free: along the wall beyond the door's posts, and
+/// How much floor stays free before a door, on the room's side: along the wall beyond the door's posts, and
 /// into the room.
 const DOOR_FREE_MM: (Millimetres, Millimetres) = (500, 1700);
 
@@ -46,19 +46,19 @@ const ROOM_BOX_MM: Interval = (400, 900);
 /// A box in a hallway, along and across it.
 const HALLWAY_BOX_MM: (Interval, Interval) = ((300, 600), (250, 450));
 
-/// Beside a box in a hallway so much floor stays free.
+/// How much floor stays free beside a box in a hallway.
 const PASSAGE_MM: Millimetres = 1500;
 
-/// A box in a hallway keeps so far from whatever leads out of it but closed doors, and from other boxes.
+/// How far a box in a hallway keeps from whatever leads out of it but closed doors, and from other boxes.
 const BOX_OFF_MM: Millimetres = 900;
 
-/// And so far from the robot's start.
+/// And how far from the robot's start.
 const BOX_OFF_START_MM: Millimetres = 1000;
 
-/// One box is tried for so much of a hallway.
+/// One box is tried for each such length of a hallway.
 const HALLWAY_FOR_BOX_MM: Millimetres = 5000;
 
-/// A marker lies so far before the face of its door's wall.
+/// How far a marker lies before the face of its door's wall.
 const MARKER_OFF_WALL_MM: Millimetres = 250;
 
 /// Places tried for the robot's start; a room without furniture always has one.
@@ -146,7 +146,7 @@ fn anywhere_in(stream: &mut Stream, plan: &FloorPlan, room: usize, boxes: &[Area
     (start_mm, heading_deg)
 }
 
-/// In the middle of a hallway, and turned by up to so much.
+/// In the middle of a hallway near its beginning, and turned by at most [`ROUGHLY_DEG`].
 fn at_beginning_of(stream: &mut Stream, plan: &FloorPlan, hallway: usize) -> (Spot, Millimetres) {
     let Hallway { axis, along_mm, across_mm, .. } = plan.hallways[hallway];
     let (along_mm, across_mm) = (along_mm.0 + START_OFF_END_MM, (across_mm.0 + across_mm.1) / 2);

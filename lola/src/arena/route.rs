@@ -29,7 +29,7 @@ pub enum Step {
     To(Standpoint),
     /// Into a room.
     Into(usize),
-    /// There are not so many openings, no foyer, or no end that one could not pass.
+    /// There are fewer openings than counted, no foyer, or no end that one could not pass.
     NoSuchOpening,
     /// The opening is of another kind: no hallway to turn into, or no open door to enter by.
     AnotherKind(Feature),
@@ -58,7 +58,7 @@ const TRIES: usize = 100;
 /// behind or ahead would be a matter of taste.
 const UNDOUBTED_MM: Millimetres = 900;
 
-/// An opening is beside the end of a hallway if no more than so much wall is between them.
+/// An opening is beside the end of a hallway if no more wall than this is between them.
 const BESIDE_END_MM: Millimetres = 300;
 
 impl Route {

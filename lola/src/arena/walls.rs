@@ -59,7 +59,7 @@ pub fn joined(walls: &[WallLine]) -> Vec<WallLine> {
 }
 
 /// With foyers cut out of the walls of hallways. A wall reaches half its thickness beyond its ends, so that
-/// so much more is cut out at both.
+/// as much more is cut out at both.
 pub fn without_foyers(walls: Vec<WallLine>, hallways: &[Hallway], walls_mm: Millimetres) -> Vec<WallLine> {
     let half_mm = walls_mm / 2;
     let mut left = Vec::with_capacity(walls.len());

@@ -8,32 +8,32 @@ use serde::{Deserialize, Serialize};
 const WIDEST_RAD: f64 = 0.8;
 /// No end is believed from farther off.
 const FARTHEST_M: f64 = 2.5;
-/// Echoes of one wall are within so much of each other.
+/// Echoes of one wall are within this distance of each other.
 const WALL_M: f64 = 0.1;
-/// An end is heard from along so much of the way: a person walks meanwhile.
+/// An end must be heard from along this length of the way: a person walks meanwhile.
 const HEARD_M: f64 = 0.25;
-/// And across so much of it, or so much of the hallway: boxes are narrower.
+/// And over at least this width of it, or this share of the hallway's: boxes are narrower.
 const LEAST_WIDTH_M: f64 = 1.0;
 const LEAST_SHARE: f64 = 0.52;
 /// An array whose cones are too wide to tell that much of a wall at this distance is believed with what it can tell
 /// there, if no box is as wide.
 const TOLD_M: f64 = 1.4;
 const BOX_M: f64 = 0.45;
-/// Walls reflect a pulse back from so far off the perpendicular.
+/// Walls reflect a pulse back up to this angle off the perpendicular.
 const REFLECTED_RAD: f64 = 0.44;
-/// So many echoes at least.
+/// The fewest echoes.
 const LEAST_HITS: usize = 8;
-/// An echo from so much before a side wall, or behind it, may be its own.
+/// An echo from at most this far before a side wall, or from behind it, may be the side wall's own.
 const SIDE_WALL_M: f64 = 0.08;
-/// Of the echoes so many must be of cones that look along the axis.
+/// How many of the echoes must be of cones that look along the axis.
 const LEAST_AHEAD: usize = 4;
-/// Echoes are kept for so long a way.
+/// The length of the way for which echoes are kept.
 const KEPT_M: f64 = 1.5;
 
-/// Who stands before a wall hears it with all transducers whose cones reach so near to its perpendicular: where more of
-/// the wall would be, it reflects their pulses away.
+/// A robot that stands before a wall hears it with all transducers whose cones reach within this angle of its
+/// perpendicular: beyond, the wall reflects their pulses away.
 const STANDING_RAD: f64 = 0.419;
-/// So many of their echoes are of one wall: each may miss once in a while.
+/// The share of their echoes that are of one wall: each may miss once in a while.
 const STANDING_SHARE: f64 = 0.8;
 /// Three transducers are the fewest that tell a wall from a post.
 const LEAST_STANDING: usize = 3;
@@ -133,7 +133,7 @@ impl EndMonitor {
         }
     }
 
-    /// The wall on which most echoes of ahead agree, if they come from so much of it across the hallway.
+    /// The wall on which most echoes of ahead agree, if they come from at least this width across the hallway.
     fn wall_across_m(&self, needed_m: f64) -> Option<f64> {
         let mut alongs_m: Vec<f64> = self.hits.iter().map(|hit| hit.along_m).collect();
         alongs_m.sort_by(f64::total_cmp);

@@ -4,13 +4,13 @@ use super::contour::{ContourPoint, Heard};
 use crate::feature::{HiddenWall, Side};
 use serde::{Deserialize, Serialize};
 
-/// Something that is heard again after so little is still the same.
+/// Something that is heard again within this distance is still the same.
 const BREAK_M: f64 = 0.1;
 
 /// Shorter things leave enough of a door to be seen; whoever walks by is one.
 const LEAST_M: f64 = 0.25;
 
-/// So much of the wall beside it is no better to be seen: a closed door shows by its leaf and the wall on both sides.
+/// How much of the wall beside it is seen no better: a closed door shows by its leaf and the wall on both sides.
 pub const HIDES_BESIDE_M: f64 = 0.4;
 
 /// The parts of a side that are hidden.

@@ -23,7 +23,7 @@ pub(super) struct IndentationMonitor {
     best: Option<Candidate>,
 }
 
-/// A candidate is the best if none of those that begin so much farther on is better.
+/// A candidate is the best if none of those that begin within this distance behind it is better.
 const SETTLED_M: f64 = 0.15;
 
 impl IndentationMonitor {

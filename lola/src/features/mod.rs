@@ -304,5 +304,5 @@ impl SideMonitor {
     }
 }
 
-/// So many parts of a wall that were told of can overlap with what is still kept.
+/// How many of the parts of a wall told of last can overlap with what is still kept.
 const MOST_TOLD: usize = 8;

@@ -70,7 +70,7 @@ pub(super) struct OpeningMonitor {
     has_heard_wall: bool,
 }
 
-/// So many readings of the wall in a row end an opening.
+/// How many readings of the wall in a row end an opening.
 const WALL_READINGS: u32 = 3;
 
 impl OpeningMonitor {
@@ -185,7 +185,7 @@ impl Passing {
     }
 }
 
-/// Of the wall behind an opening so much is looked at.
+/// How much of the wall behind an opening is looked at.
 const BEHIND_M: f64 = 0.4;
 
 /// Something that stands within this of an edge hides it.

@@ -40,9 +40,9 @@ pub struct Confusion {
 /// A percept tells of a feature when they overlap, or are less than this apart.
 const SLACK_M: f64 = 0.3;
 
-/// A feature counts that begins so much after the detection was started ...
+/// A feature counts that begins at least this far after the detection was started ...
 pub const BEFORE_M: f64 = 0.3;
-/// ... and ends so much before the detection was stopped: the way on which percepts are made up.
+/// ... and ends at least this far before the detection was stopped: the way on which percepts are made up.
 pub const BEHIND_M: f64 = 1.0;
 
 impl Confusion {

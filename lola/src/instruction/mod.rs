@@ -16,14 +16,14 @@ use serde::{Deserialize, Serialize};
 pub enum Instruction {
     /// Leave the room one is in, and go on along the hallway to this side.
     Leave(Side),
-    /// Turn into the hallway that is the so-manieth opening, from 1 to 10, on this side.
+    /// Turn into the hallway that is the nth opening, from 1 to 10, on this side.
     Turn {
         /// Of the openings on this side, the first is 1.
         ordinal: u8,
         /// On which side.
         side: Side,
     },
-    /// Enter the room whose door is the so-manieth opening, from 1 to 10, on this side.
+    /// Enter the room whose door is the nth opening, from 1 to 10, on this side.
     Enter {
         /// Of the openings on this side, the first is 1.
         ordinal: u8,

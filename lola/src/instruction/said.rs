@@ -8,7 +8,7 @@ use std::fmt;
 pub(super) const ORDINALS: [&str; 10] =
     ["first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"];
 
-/// The so-manieth, in words: "third".
+/// The nth, in words: "third".
 pub fn ordinal_in_words(ordinal: u8) -> &'static str {
     let at = usize::from(ordinal.max(1)) - 1;
     ORDINALS.get(at).copied().unwrap_or("so-manieth")

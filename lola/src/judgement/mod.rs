@@ -20,7 +20,7 @@ use side::{Nth, SideOfHallway};
 /// What is wrong with an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaultKind {
-    /// The hallway ends before there are so many openings.
+    /// The hallway ends before the opening that the instruction counts to.
     NoSuchOpening,
     /// The opening is of another kind.
     OtherKind,
@@ -54,7 +54,7 @@ pub struct Judgement {
     pub goal: Goal,
     /// That there is such an opening.
     pub right: f64,
-    /// That there are not so many openings.
+    /// That there are fewer openings than the instruction counts.
     pub no_such_opening: f64,
     /// That it is of another kind.
     pub other_kind: f64,

@@ -35,7 +35,7 @@ fn openings(side: &SideOfHallway<'_>) -> Vec<Feature> {
     side.spots.iter().map(likeliest).filter(|kind| Feature::OPENINGS.contains(kind)).collect()
 }
 
-/// "; I saw a door at the first, and hallways at the second and third", of at most so many openings.
+/// "; I saw a door at the first, and hallways at the second and third", of at most `most` openings.
 fn seen_in_words(openings: &[Feature], most: usize, side: Side) -> String {
     let of_kind = |kind: Feature| {
         let numbered = openings.iter().zip(1u8..=MOST_ORDINAL).take(most);

@@ -5,7 +5,7 @@ use super::expectation::{Expectation, SHARES};
 use super::spots::{Look, Sighting, Spot, spots};
 use crate::feature::{Feature, Percept, Side};
 
-/// Which opening is the so-manieth on a side, over all ways in which openings can have been seen, missed, or
+/// Which opening is the nth on a side, over all ways in which openings can have been seen, missed, or
 /// imagined. All masses together sum to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Nth {
@@ -62,7 +62,7 @@ impl<'a> SideOfHallway<'a> {
         Self { expectation, looks, end_m, side, spots: spots(looks, side) }
     }
 
-    /// Which opening is the so-manieth, counted from 1. Cost: spots times the square of the ordinal.
+    /// Which opening is the nth, counted from 1. Cost: spots times the square of the ordinal.
     pub fn nth(&self, ordinal: usize) -> Nth {
         let mut alignment = Alignment::start(ordinal);
         let mut from_m = self.begin_m();
@@ -128,7 +128,7 @@ impl<'a> SideOfHallway<'a> {
 
 /// The sums over all alignments up to a place.
 struct Alignment {
-    /// That so many openings came before.
+    /// For each number of openings, that as many came before.
     counts: Vec<f64>,
     /// That the wanted one has come: of each kind, missed, or at each spot so far.
     unseen: [f64; 3],
@@ -142,7 +142,7 @@ impl Alignment {
         Self { counts, unseen: [0.0; 3], seen: Vec::new() }
     }
 
-    /// Goes on along a part where so many of each kind are expected that were not seen; their number has a
+    /// Goes on along a part with the expected number of unseen openings of each kind; their number has a
     /// Poisson distribution, because openings that are missed thin those that are there.
     fn miss(&mut self, expected: &[f64; 3]) {
         let mean: f64 = expected.iter().sum();

@@ -16,13 +16,14 @@ const SIZE_M: f64 = 0.3;
 /// Where it lies, in a hall without anything else.
 const AT: Point = Point::new(10.0, 10.0);
 
-/// Pixels so near the edge of the marker show the floor as well.
+/// Pixels nearer than this to the edge of the marker show the floor as well.
 const INNER: f64 = 0.7;
 
-/// The robot stands so far off, at the least and at the most.
+/// How far off the robot stands, at the least and at the most.
 const OFF_M: [f64; 2] = [1.6, 3.0];
 
-/// What is seen of markers of a colour in so many places, each with its light, from a seed on. Cost: a third of a millisecond for each.
+/// What is seen of markers of a colour in a number of places, each with its light, from a seed on. Cost: a third of a
+/// millisecond for each.
 pub fn calibrate(robot: &Arc<RobotDescription>, colour: MarkerColour, seed: u64, places: u64) -> Histogram {
     let model = hall(robot, colour);
     Histogram::of((0..places).flat_map(|place| labelled(&model, seed.wrapping_add(place))))

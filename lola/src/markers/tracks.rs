@@ -27,14 +27,14 @@ const SAME_M: f64 = 0.4;
 /// Fewer images may be chance.
 const FEWEST_IMAGES: u32 = 3;
 
-/// Of the images it should be in it must be in one of so many.
+/// Of the images it should be in, it must be in one of this many.
 const ONE_OF: u32 = 3;
 
 /// What is farther off than this has been passed, or was given up.
 const FAR_M: f64 = 8.0;
 
-/// A marker so many pixels within the edge of the image, and rows within that of the rows looked at, should
-/// be seen.
+/// A marker should be seen if it is this many pixels within the edge of the image, and as many rows within those
+/// looked at.
 const WITHIN: f64 = 6.0;
 
 /// Farther markers have so few pixels that one may be missed.

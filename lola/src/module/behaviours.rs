@@ -18,10 +18,10 @@ use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::value::Value;
 use std::borrow::Cow;
 
-/// Held up for so long, who is told nothing else gives up.
+/// Held up for longer than this, a behaviour gives up unless it has another `:patience`.
 const PATIENCE_S: f64 = 30.0;
 
-/// A door out of a room is sought on the way to a point so far off, which lies outside of it.
+/// A door out of a room is sought on the way to a point this far off, which lies outside of it.
 const OUTSIDE_M: f64 = 12.0;
 
 const WHEELS: Option<Cow<'static, str>> = Some(Cow::Borrowed("wheels"));

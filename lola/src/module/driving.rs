@@ -11,7 +11,7 @@ use rpl_robot::navigation::{DriveStatus, LocalDrive, NavigationEvent};
 use rpl_robot::office::{Moment, Phase, Telling, TravelMode, Velocity};
 use rpl_runtime::robot::Ending;
 
-/// A wall that is followed holds the robot up for so long at most.
+/// The longest time for which a wall that is followed holds the robot up.
 const WALL_PATIENCE_S: f64 = 20.0;
 
 impl Lola {

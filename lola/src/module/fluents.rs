@@ -46,7 +46,7 @@ const STATE_SET: usize = fluent_number(FLUENTS, "state-set*");
 const INSTRUCTION_CERTAINTY: usize = fluent_number(FLUENTS, "instruction-certainty*");
 const DOORWAY: usize = fluent_number(FLUENTS, "doorway*");
 
-/// So many percepts are told.
+/// How many percepts are told, the last ones.
 const LAST: usize = 5;
 
 impl Lola {

@@ -9,17 +9,17 @@ use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// What is heard while it is in doubt which way the robot looks waits for so much of the way: a crossing looks
+/// What is heard while it is in doubt which way the robot looks waits for this length of the way: a crossing looks
 /// like it, too.
 const WAITS_M: f64 = 0.6;
 
-/// The end of the hallway is reached so far before its wall.
+/// The end of the hallway is reached this far before its wall.
 const BEFORE_END_M: f64 = 0.9;
 
-/// The axis is corrected by at most so much at a time.
+/// The axis is corrected by at most this at a time.
 const GATE_RAD: f64 = 0.3;
 
-/// What begins so little before where counting begins may begin behind it: a percept's edges are not sharper.
+/// What begins less than this before where counting begins may begin behind it: a percept's edges are not sharper.
 const EDGE_M: f64 = 0.1;
 
 /// Of what a robot is beside when it turns round, it sees less than half on the way back: as far behind it as this.

@@ -11,28 +11,29 @@ use rpl_robot::sensors::SonarScan;
 use rpl_runtime::robot::Ending;
 use serde::{Deserialize, Serialize};
 
-/// The first registration takes at least so much of driving, and is given up after so much.
+/// The first registration takes at least the first distance of driving, and is given up after the second.
 const REGISTER_M: f64 = 0.8;
 const REGISTER_MOST_M: f64 = 4.0;
 
 /// How fast it goes meanwhile.
 const REGISTER_MPS: f64 = 0.4;
 
-/// A robot that is so far from where it left the hallway was somewhere else meanwhile.
+/// A robot that is farther than this from where it left the hallway was somewhere else meanwhile.
 const ELSEWHERE_M: f64 = 0.5;
 
-/// Held up for so long where it registers again, the robot goes on by what single scans have told of the direction.
+/// Held up for longer than this where it registers again, the robot goes on by what single scans have told of the
+/// direction.
 const HELD_UP_S: f64 = 3.0;
 
-/// A hallway ends where no lane is free for so much, for so long: a box leaves a lane beside it, and who stands in
-/// the way walks on.
+/// A hallway ends where no lane is free for this distance, for this time: a box leaves a lane beside it, and a person
+/// in the way walks on.
 const END_FREE_M: f64 = 1.0;
 const AT_END_S: f64 = 2.0;
 
-/// Held up for so long, it looks whether that is the end.
+/// Held up for longer than this, it looks whether that is the end.
 const MAY_END_S: f64 = 2.0;
 
-/// And shows a wall for so much of that.
+/// And shows a wall for this share of that time.
 const SHOWN_SHARE: f64 = 0.6;
 
 /// Farther back than this it turns round and drives.
@@ -355,7 +356,7 @@ impl HallwayDrive {
     }
 }
 
-/// To so far ahead of where the robot was in the hallway last, looking along it.
+/// To this far ahead of where the robot was in the hallway last, looking along it.
 fn returning(hallway: &Hallway, here: Pose, ahead_m: f64, patience_s: f64) -> Stage {
     let last = Pose { heading_rad: hallway.heading_in_odom_rad(), ..hallway.at_in_odom() };
     let mut navigation = MaplessNavigation::default();

@@ -10,29 +10,30 @@ use rpl_robot::sensors::SonarScan;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Echoes of one wall are within so much of each other: beside an axis that is off by less than the half of a cone.
+/// Echoes of one wall are within this distance of each other, beside an axis that is off by less than half a cone.
 const SAME_WALL_M: f64 = 0.06;
 
-/// A wall stands where it was, to within so much.
+/// A wall stands where it was if it is within this distance.
 const WHERE_IT_WAS_M: f64 = 0.12;
 
-/// A wall is not square to the hallway if it is so far off.
+/// A wall is not square to the hallway if it is off by more than this.
 const ASLANT_RAD: f64 = 0.22;
 
 /// What is off by less is put right by the fit to the walls.
 const TURNED_RAD: f64 = 0.45;
 
-/// Directions are tried so far apart.
+/// Directions are tried in steps of this.
 const GRAIN_RAD: f64 = 0.05;
 
-/// So many scans in a row that show the hallway as it was known end the doubt.
+/// How many scans in a row must show the hallway as it was known to end the doubt.
 const CONFIRMING: u32 = 3;
 
 /// Who is turned by hand is turned at once: the walls run another way as soon as the doubt begins. In a crossing they
 /// end, and other walls come farther on.
 const AT_ONCE_M: f64 = 0.3;
 
-/// So many more scans that agree on another direction, to within so much, than do not are believed.
+/// Another direction is believed when the scans that agree on it, to within the angle, outnumber the others by the
+/// first number.
 const SCANS: u32 = 8;
 const AGREED_RAD: f64 = 0.3;
 

@@ -43,20 +43,20 @@ struct RegistrationParameters {
     /// Wall on one side that must have been driven along: a leaf or a jamb passed at the start tilts a shorter
     /// fit by 5° to 9°.
     least_wall_m: f64,
-    /// So small a standard deviation means that one line fits all of both sides. With doors on both the lines fit
+    /// A standard deviation below this means that one line fits all of both sides. With doors on both the lines fit
     /// worse ...
     sure_deviation_rad: f64,
-    /// ... and so much more wall is needed ...
+    /// ... and a longer wall is needed, this long ...
     long_wall_m: f64,
     /// ... and a direction good enough for the transducers to be chosen by it.
     most_deviation_rad: f64,
     /// Walls farther apart are those of a room.
     widest_m: f64,
-    /// The robot drives so far between two fits.
+    /// How far the robot drives between two fits.
     between_fits_m: f64,
     /// What is newer than this decides whether the axis still holds.
     recent_m: f64,
-    /// The present axis is wrong when another explains so many times what it explains of the newest readings.
+    /// The present axis is wrong when another explains more of the newest readings, by this factor.
     better_by: f64,
     /// Wall that another axis must explain on one side for that.
     lost_wall_m: f64,

@@ -23,8 +23,8 @@ impl Ring {
         Self { from_in_odom: odometry_in_odom, ranges_m: scan.ranges_m.to_vec() }
     }
 
-    /// Whether a scan shows what this ring does turned by so much in `odom`, rather than as it was. Who is elsewhere
-    /// now may have been turned.
+    /// Whether a scan shows what this ring does turned by this angle in `odom`, rather than as it was. A robot that is
+    /// elsewhere now may have been turned.
     pub fn is_turned(&self, by_rad: f64, odometry_in_odom: Pose, scan: SonarScan<'_>) -> bool {
         if self.from_in_odom.distance_m(odometry_in_odom) > NEAR_M {
             return true;
@@ -32,7 +32,7 @@ impl Ring {
         self.alike(by_rad, odometry_in_odom, scan) > self.alike(0.0, odometry_in_odom, scan)
     }
 
-    /// How many sonars hear what one that looked that way heard before, if all around is turned by so much.
+    /// How many sonars hear what one that looked that way heard before, if all around is turned by this angle.
     fn alike(&self, by_rad: f64, odometry_in_odom: Pose, scan: SonarScan<'_>) -> usize {
         let turned_rad = odometry_in_odom.heading_rad - self.from_in_odom.heading_rad - by_rad;
         let is_alike = |heard: &(usize, &f32)| {
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use rpl_robot::sensors::{SonarArray, SonarLayout};
 
-    /// What a ring hears in the middle of a hallway 2.2 m wide, looking so far off its axis.
+    /// What a ring hears in the middle of a hallway 2.2 m wide, looking by this angle off its axis.
     fn in_hallway(sonars: &SonarArray, off_rad: f64) -> Vec<f32> {
         let range_m = |heading_rad: f64| 1.1 / libm::sin(heading_rad + off_rad).abs().max(0.25);
         sonars.mounts.iter().map(|mount| range_m(mount.heading_rad) as f32).collect()

@@ -6,7 +6,7 @@ use crate::feature::Side;
 use rpl_robot::geometry::wrap_angle_rad;
 use rpl_robot::sensors::SonarArray;
 
-/// Directions are tried so far apart: what the farthest readings of a drive of a metre and a half tell apart.
+/// Directions are tried in steps of this: what the farthest readings of a drive of a metre and a half tell apart.
 const COARSE_RAD: f64 = 0.026;
 /// And around the best of them.
 const FINE_RAD: f64 = 0.005;
@@ -36,14 +36,14 @@ fn best_off_rad(middle_rad: f64, reach_rad: f64, grain_rad: f64, score: impl Fn(
     best.1
 }
 
-/// Readings of a side are averaged over so much of its wall: ten readings or so, whose mean tells the leaf of a closed
-/// door from the wall, which no single reading does.
+/// Readings of a side are averaged over this length of its wall: ten readings or so, whose mean tells the leaf of a
+/// closed door from the wall, which no single reading does.
 const SPOT_M: f64 = 0.1;
-/// Readings within so much of a wall are averaged: the leaf of a closed door among them.
+/// Readings within this distance of a wall are averaged: the leaf of a closed door among them.
 const NEAR_M: f64 = 0.15;
-/// Spots of one segment are within so much of its line: less than the depth of a leaf.
+/// Spots of one segment are within this distance of its line: less than the depth of a leaf.
 const SEGMENT_M: f64 = 0.022;
-/// Slopes are tried up to here, so far apart, as tangents.
+/// Slopes are tried up to the first, in steps of the second, as tangents.
 const SLOPE: f64 = 0.09;
 const SLOPE_GRAIN: f64 = 0.004;
 /// Rounds of least squares, each from the direction that the last has found.

@@ -72,7 +72,7 @@ fn turned_by_hand_it_is_found_to_be_wrong_and_put_right() {
     assert!(off_rad < 0.035, "{off_rad}");
 }
 
-/// Drives on for so long; the other direction that single scans tell of, if they do.
+/// Drives on for at most this distance; the other direction that single scans tell of, if they do.
 fn doubted_rad(drive: &mut Drive, most_m: f64) -> Option<f64> {
     let axis = *drive.registration.axis().expect("registered");
     let from_m = drive.state.distance_driven_m;

@@ -4,7 +4,7 @@ use rpl_robot::geometry::{Pose, wrap_angle_rad};
 use rpl_robot::sensors::{SonarArray, SonarScan};
 use serde::{Deserialize, Serialize};
 
-/// After so much motion the sonars have another view.
+/// After moving or turning by this the sonars have another view.
 const VIEW_M: f64 = 0.025;
 const VIEW_RAD: f64 = 0.05;
 
@@ -71,13 +71,13 @@ impl Views {
         self.kept.first().map_or(0.0, |first| self.driven_m - first.driven_m)
     }
 
-    /// Those of so much of the way up to now.
+    /// Those of the last part of the way, of this length.
     pub fn latest(&self, way_m: f64) -> &[View] {
         let first = self.kept.partition_point(|view| self.driven_m - view.driven_m > way_m);
         &self.kept[first..]
     }
 
-    /// How much the robot turned, to and fro alike, on so much of the way up to now.
+    /// How much the robot turned, to and fro alike, on the last part of the way, of this length.
     pub fn turned_since_rad(&self, way_m: f64) -> f64 {
         let turn_rad =
             |pair: &[View]| wrap_angle_rad(pair[1].from_in_odom.heading_rad - pair[0].from_in_odom.heading_rad).abs();

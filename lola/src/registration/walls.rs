@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 /// than 25° from it, where a wall reflects the pulse back.
 pub(super) const WIDEST_RAD: f64 = 0.56;
 
-/// Readings count as a wall's within so much of it: twice the noise of an echo over a hallway, and less than the
-/// depth of a closed door in a wall of 15 cm.
+/// Readings within this distance of a wall count as the wall's: twice the noise of an echo over a hallway, and less
+/// than the depth of a closed door in a wall of 15 cm.
 const WALL_M: f64 = 0.045;
 
 /// Cells in which the readings of a side vote for the place of its wall.
@@ -139,7 +139,7 @@ fn walls_of_hallway(
 /// How far off a guessed direction usually is.
 const GUESS_RAD: f64 = 0.17;
 
-/// A wall is the same if it is heard so near to where it was.
+/// A wall is the same if it is heard within this distance of where it was.
 const SAME_WALL_M: f64 = 0.15;
 
 /// How much dead reckoning turns over a metre: 0.6°, squared.
@@ -151,7 +151,7 @@ const TURN_DRIFT2_RAD: f64 = 0.0225 * 0.0225;
 /// The readings of a fit share errors, above all those of doors: it is no better than 1°, however many they are.
 const FIT_RAD: f64 = 0.0175;
 
-/// Two fits agree within so many standard deviations.
+/// Two fits agree within this number of standard deviations.
 const AGREEMENT: f64 = 3.0;
 
 fn fit_variance_rad2(fitted: &HallwayAxis) -> f64 {
@@ -300,5 +300,5 @@ pub(super) fn median_distance_m(
     heard_m.get(heard_m.len() / 2).copied().filter(|distance_m| distance_m.is_finite())
 }
 
-/// Over so much of the way the median is taken.
+/// The median is taken over this length of the way.
 const REFERENCE_M: f64 = 0.25;

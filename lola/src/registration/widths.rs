@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Widths within so much are one.
+/// Widths that differ by no more than this count as one.
 const SAME_M: f64 = 0.15;
 
-/// So many are kept; a hallway has one, and boxes and rooms with open doors make a few more.
+/// How many are kept; a hallway has one, and boxes and rooms with open doors make a few more.
 const MOST: usize = 8;
 
 /// The widths that fits have found, each with the way on which they did.

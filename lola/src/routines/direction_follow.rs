@@ -10,18 +10,19 @@ use serde::{Deserialize, Serialize};
 /// How far ahead lies the point in the lane that the robot heads for.
 const LOOKAHEAD_M: f64 = 1.2;
 
-/// The lane goes to the middle of the hallway by so much of what is missing in a step: a wall that recedes for
-/// a moment does not pull it aside.
+/// The share of what is missing to the middle of the hallway by which the lane moves there in a step: a wall that
+/// recedes for a moment does not pull it aside.
 const TO_MIDDLE: f64 = 0.04;
 
-/// A wall nearer than this is the hallway's own; without one on a side, the lane keeps off the other by so much.
+/// A wall nearer than the first is the hallway's own; without one on a side, the lane keeps off the other by the
+/// second.
 const WALL_M: f64 = 2.2;
 const BESIDE_WALL_M: f64 = 1.1;
 
-/// Getting on means by so much; with less room ahead the robot waits for whoever stands there.
+/// Getting on means by at least this; with less room ahead the robot waits for whoever stands there.
 const PROGRESS_M: f64 = 0.1;
 
-/// Held up for so long, the robot forgets what holds it up, once: it may be an echo long gone.
+/// Held up for longer than this, the robot forgets what holds it up, once: it may be an echo long gone.
 const ANEW_S: f64 = 8.0;
 
 /// What a step gets to know.

@@ -12,21 +12,21 @@ const WIDEST_M: f64 = 1.2;
 /// as seen from between them so far apart: the walls of a corner are square to one another.
 const OPPOSITE_RAD: f64 = 2.1;
 
-/// They are heard in so many scans at about the same place: an echo over a detour is not.
+/// How many scans hear them at about the same place: an echo over a detour is not heard so.
 const SIGHTINGS: u32 = 6;
 const SAME_M: f64 = 0.3;
 
-/// Beyond the door there is so much room on each side, and on both together: behind a gap between a thing and a
+/// How much room there is beyond the door on each side, and on both together: behind a gap between a thing and a
 /// wall the wall goes on.
 const OPEN_M: f64 = 0.65;
 const OPEN_TOGETHER_M: f64 = 2.0;
 
-/// The robot is through when it has gone so far from between the posts; a wall is no thicker.
+/// The robot is through when it has gone this far from between the posts; a wall is no thicker.
 const THROUGH_M: f64 = 0.45;
 const THICKEST_M: f64 = 0.95;
 
-/// The way the robot came is remembered in pieces of so much, so many of them: who comes through a door was
-/// before it, and did not turn round in a corner.
+/// The way the robot came is remembered in pieces of this length, and in this number of them: a robot that comes
+/// through a door was before it, and did not turn round in a corner.
 const TRAIL_M: f64 = 0.1;
 const TRAIL: usize = 15;
 const BEFORE_M: f64 = 0.3;

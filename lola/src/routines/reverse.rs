@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const FASTEST_MPS: f64 = 0.25;
 const SLOWEST_MPS: f64 = 0.04;
 
-/// It is there within so much.
+/// It is there when it is within this distance.
 const THERE_M: f64 = 0.015;
 
 /// What it needs free behind it, in straight line and a little to both sides.
@@ -22,7 +22,7 @@ const HORIZON_M: f64 = 1.0;
 /// How fast it turns for each radian off the axis.
 const STEERING_PER_S: f64 = 1.0;
 
-/// Something behind for so long: it does not go away.
+/// What has stood behind for longer than this does not go away.
 const PATIENCE_S: f64 = 6.0;
 
 /// How a step went.
@@ -44,7 +44,7 @@ pub struct Reverse {
 }
 
 impl Reverse {
-    /// One step of `limits.step_s`, with so much still to go backwards against the axis of the hallway.
+    /// One step of `limits.step_s`, with this much still to go backwards against the axis of the hallway.
     pub fn step(
         &mut self,
         limits: &DriveLimits,

@@ -3,7 +3,7 @@
 use crate::feature::{Feature, Percept, Side};
 use crate::instruction::Instruction;
 
-/// The nodes an instruction leads along: the start, so many that are counted, the goal, and what lies beyond.
+/// The nodes an instruction leads along: the start, those that are counted, the goal, and what lies beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chain {
     /// On which side percepts matter; on both if there is none.

@@ -3,7 +3,7 @@
 use super::chain::Chain;
 use crate::feature::Percept;
 
-/// Whether the so-manieth percept that concerns the instruction, counted from 1, is the goal to one who counts
+/// Whether the nth percept that concerns the instruction, counted from 1, is the goal to a follower that counts
 /// and stops at the right kind.
 pub(super) fn is_goal(chain: &Chain, counted: u64, percept: &Percept) -> bool {
     counted >= chain.length as u64 && percept.seen == chain.goal

@@ -30,9 +30,9 @@ pub enum Method {
     StateSet,
     /// State-set progression by Eqs. (1) and (3) as they are printed.
     LiteralEquations,
-    /// The so-manieth percept on the side, whatever it is.
+    /// The nth percept on the side, whatever it is.
     PlainCounter,
-    /// The first percept of the right kind that is at least the so-manieth opening on the side.
+    /// The first percept of the right kind that is at least the nth opening on the side.
     CounterWithClass,
 }
 

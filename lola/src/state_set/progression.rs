@@ -32,7 +32,7 @@ pub struct StateSet {
 /// They sum to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Certainties {
-    /// That the robot has passed so many of the nodes before the goal: none, one, ….
+    /// For each number of nodes before the goal (none, one, …), that the robot has passed as many.
     before: Vec<f64>,
     /// That the goal was perceived, and as which percept; in the order of percepts.
     candidates: Vec<Candidate>,
@@ -151,16 +151,16 @@ impl StateSet {
 }
 
 impl Certainties {
-    /// Eqs. (1) to (3) for one percept that came so much wall after the last.
+    /// Eqs. (1) to (3) for one percept, after the wall passed since the last.
     ///
     /// # Deviation
     /// The features in the first bracket of Eq. (3) are those of S_i: printed is S_j, by which a percept would
     /// be compared with what the robot has left behind. A state may stay (j = i), because a wall may be
     /// perceived as something, and because a foyer is not counted; with j < i alone every false alarm counts.
-    /// In the product of Eq. (2) stands how many nodes can have been missed on so many metres (Poisson): along
-    /// ten metres more than along two, and more where a box stands before the wall. What comes after the goal is any opening, so that one sum stands for
-    /// all nodes beyond it, and each percept that may have been the goal keeps a certainty of its own: the
-    /// robot can go back to it.
+    /// In the product of Eq. (2) stands how many nodes can have been missed on the way since (Poisson): along
+    /// ten metres more than along two, and more where a box stands before the wall. What comes after the goal is any
+    /// opening, so that one sum stands for all nodes beyond it, and each percept that may have been the goal keeps a
+    /// certainty of its own: the robot can go back to it.
     fn progressed(&self, chain: &Chain, matrix: &Matrix, percept: &Percept, passed: Passed) -> Self {
         let seen = percept.seen;
         let go = 1.0 - chain.uncounted_share;
@@ -248,7 +248,7 @@ struct Reaching {
     beyond_goal: f64,
 }
 
-/// With so many nodes missed on the mean. Cost: the square of the nodes.
+/// With a mean number of missed nodes. Cost: the square of the nodes.
 fn reaching(before: &[f64], missed: f64) -> Reaching {
     let mut nodes = vec![0.0; before.len()];
     let mut reaching = Reaching { nodes: Vec::new(), goal: 0.0, beyond_goal: 0.0 };

@@ -22,7 +22,7 @@ pub struct Step {
 /// States that are less certain are not planned for.
 const REMAINING: f64 = 0.05;
 
-/// Drives along a map from a state drawn from the seed, which the robot does not know, until so many percepts
+/// Drives along a map from a state drawn from the seed, which the robot does not know, until a number of percepts
 /// have come; they are drawn from a matrix. At each node the robot does what tells the remaining states apart,
 /// and turns where the hallway ends. Answers fewer steps only if the robot can go nowhere.
 pub fn drive(map: &TopologicalMap, truth: &Matrix, matrix: &Matrix, seed: u64, percepts: usize) -> Vec<Step> {

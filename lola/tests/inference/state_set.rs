@@ -192,7 +192,7 @@ fn the_state_set_finds_more_openings_than_counters_do() {
     }
 }
 
-/// What a percept can be explained by: walls, or the so-manieth node.
+/// What a percept can be explained by: walls, or the nth node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Explained {
     False,

@@ -7,7 +7,7 @@ use rpl_random::Stream;
 /// What stands on one side, with the middle of each.
 pub type Openings = Vec<(Feature, f64)>;
 
-/// So many openings of any kind, 2 m to 6 m apart, of which one, counted from 1, is of a given kind.
+/// A number of openings of any kind, 2 m to 6 m apart, of which one, counted from 1, is of a given kind.
 pub fn openings(count: usize, fixed: Option<(u8, Feature)>, stream: &mut Stream) -> Openings {
     let mut at_m = 0.0;
     let kinds = (1..=count).map(|number| match fixed {

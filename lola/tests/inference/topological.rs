@@ -24,7 +24,7 @@ fn hallway(nodes: &[(Feature, Feature)]) -> TopologicalMap {
     TopologicalMap::new(nodes, &edges).expect("a row of nodes")
 }
 
-/// Hallways in a grid of crossings, `size` each way, with so many nodes between two of them.
+/// Hallways in a grid of crossings, `size` each way, with `between` nodes between two of them.
 fn office(size: usize, between: usize, seed: u64) -> TopologicalMap {
     let mut stream = Stream::new(seed, "office");
     let mut nodes = vec![Node { features: [Hallway; 4] }; size * size];
@@ -215,7 +215,7 @@ fn a_crossing_is_where_all_remaining_states_can_turn() {
     assert_eq!(next_action(&map, &from_ends, None), Some(Action::GoOn), "the crossing is on the left of one of them");
 }
 
-/// Of so many drives on so many maps, in how many the right state is the likeliest after the last of eight
+/// Of a number of drives on a number of maps, in how many the right state is the likeliest after the last of eight
 /// percepts, and in how many the robot is sure of a wrong one.
 fn right_and_sure_but_wrong(matrix: &Matrix) -> (f64, f64) {
     const DRIVES: u64 = 300;

@@ -8,13 +8,13 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// The light of so many places.
+/// How many places, each with its own light.
 const PLACES: u64 = 400;
 
 /// Of a marker's pixels, bins with less than this are noise.
 const LEAST: u32 = 20;
 
-/// Shares are written in parts of so many.
+/// The parts in which shares are written.
 const PARTS: f64 = 10_000.0;
 
 fn measured() -> String {

@@ -11,10 +11,10 @@ use std::sync::Arc;
 /// How often the robot is looked at for the drawing of its path.
 const TRACK_EVERY_US: u64 = 100_000;
 
-/// So many events, sights and lines are kept of each, the last ones: a plan may go on without an end.
+/// How many events, sights and lines are kept of each, the last ones: a plan may go on without an end.
 const MOST: usize = 1_000_000;
 
-/// What is forgotten is forgotten so many at a time.
+/// How many are forgotten at a time.
 const STRETCH: usize = MOST / 16;
 
 /// What a mission has told so far.

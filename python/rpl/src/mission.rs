@@ -22,7 +22,7 @@ use std::ffi::CString;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// So long a mission goes on until Python is asked whether somebody wants to stop.
+/// How long a mission goes on until Python is asked whether somebody wants to stop.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
 /// A text with its name; or, if there is none, what the name is one of.

@@ -18,17 +18,17 @@ pub const PASSING_M: f64 = 0.6;
 /// ... and the last one from here.
 pub const ARRIVAL_M: f64 = 0.25;
 
-/// A new goal is faced when it is ahead within so much.
+/// A new goal is faced when it is ahead to within this angle.
 const FACED_RAD: f64 = 0.3;
 
-/// The robot backs off so fast, for so long.
+/// How fast and for how long the robot backs off.
 const BACK_OFF_MPS: f64 = 0.12;
 const BACK_OFF_S: f64 = 1.5;
 
-/// Before its goal it brakes as if it had so much of its deceleration.
+/// Before its goal it brakes as if it had this share of its deceleration.
 const ARRIVAL_BRAKING: f64 = 0.6;
 
-/// It is at least so fast there, to arrive at all.
+/// It is at least this fast there, to arrive at all.
 const ARRIVAL_MPS: f64 = 0.05;
 
 /// Where the control is to drive.

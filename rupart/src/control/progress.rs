@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Nearer by so much is progress.
+/// Nearer by this is progress.
 const PROGRESS_M: f64 = 0.2;
 
-/// Without any for so long, the robot does not progress.
+/// Without any for longer than this, the robot does not progress.
 const PATIENCE_S: f64 = 4.0;
 
-/// Without any for so long, it is blocked, unless it is to have another patience.
+/// Without any for longer than this, it is blocked, unless it has another patience.
 pub const BLOCKED_S: f64 = 30.0;
 
 /// How near the robot has come to a goal, and when.
@@ -25,7 +25,7 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// A step later the goal is so far off.
+    /// A step later, with the goal at this distance.
     pub fn note(&mut self, goal_m: f64, step_s: f64) {
         if goal_m < self.nearest_m - PROGRESS_M {
             *self = Self { nearest_m: goal_m, idle_s: 0.0 };

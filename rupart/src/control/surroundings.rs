@@ -4,7 +4,7 @@ use rpl_robot::avoidance::{DriveLimits, open_distance_m};
 use rpl_robot::geometry::Point;
 use std::f64::consts::TAU;
 
-/// Ways are looked for in so many directions all around.
+/// The number of directions all around in which ways are looked for.
 const DIRECTIONS: u32 = 36;
 
 /// What stands around the robot, and where it is to go.
@@ -19,7 +19,7 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// How far the robot could go straight in a direction, at most so far.
+    /// How far the robot could go straight in a direction, up to a limit.
     pub fn open_m(&self, direction_rad: f64, horizon_m: f64) -> f64 {
         open_distance_m(self.limits, self.obstacles_in_base, direction_rad, horizon_m)
     }

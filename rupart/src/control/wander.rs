@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 /// ToGoal turns in inverse proportion to the distance of the goal; at this one with its whole strength ...
 const FULL_STRENGTH_M: f64 = 2.0;
 
-/// ... and at least with so much of it.
+/// ... and with at least this share of it.
 ///
 /// # Deviation
 /// Unclamped, the paper's strength is nothing at the other end of a hallway, and all others are nothing at the

@@ -8,27 +8,27 @@ use rpl_robot::world::Landmark;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The robot stands so far before a landmark to measure ...
+/// The robot stands this far before a landmark to measure ...
 const BEFORE_M: f64 = 0.9;
 
-/// ... or so near to that.
+/// ... or within this distance of that.
 const THERE_M: f64 = 0.2;
 
-/// It drives there so fast, once it looks there.
+/// How fast it drives there, once it looks there.
 const APPROACH_MPS: f64 = 0.3;
 const AHEAD_RAD: f64 = 0.4;
 
-/// It looks to the wall when it is ahead within so much ...
+/// It looks to the wall when it is ahead to within this angle ...
 const FACED_RAD: f64 = 2.0 / 180.0 * PI;
 
 /// ... and turns once more if what it heard says that it does not.
 const OFF_FACED_RAD: f64 = 6.0 / 180.0 * PI;
 
-/// So many scans are heard, and at least so many images seen, before the position is taken.
+/// How many scans are heard, and how many images seen at the least, before the position is taken.
 const SCANS: usize = 20;
 const FEWEST_BEARINGS: usize = 2;
 
-/// Whoever has no position after so long gives up.
+/// A robot that has no position after this time gives up.
 const PATIENCE_S: f64 = 20.0;
 
 /// The landmark that the robot localizes by.

@@ -28,16 +28,16 @@ pub struct SeenSheet {
     pub mark: usize,
 }
 
-/// A sheet is followed for so long after the last image of it.
+/// How long a sheet is followed after the last image of it.
 const REMEMBERED_S: f64 = 1.0;
 
-/// A sheet so near to one that is followed is the same.
+/// A sheet nearer than this to one that is followed is the same.
 const SAME_M: f64 = 1.0;
 
-/// A search turns so fast that a sheet is in several images.
+/// The rate at which a search turns: slow enough for a sheet to be in several images.
 const SEARCH_RADPS: f64 = 1.0;
 
-/// A search turns back so near to the end of the pan unit's range.
+/// A search turns back this far before the end of the pan unit's range.
 const END_RAD: f64 = 4.0 / 180.0 * std::f64::consts::PI;
 
 /// Where the camera is turned, and what it follows.

@@ -15,11 +15,11 @@ pub struct WallAhead {
 /// Sonars that look farther aside hear nothing of a wall ahead, or its echo is lost.
 const ASIDE_RAD: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 
-/// A wall is looked for up to so far aside, in such steps.
+/// A wall is looked for up to the first angle aside, in steps of the second.
 const WIDEST_RAD: f64 = 20.0 / 180.0 * std::f64::consts::PI;
 const STEP_RAD: f64 = 0.25 / 180.0 * std::f64::consts::PI;
 
-/// A wall is heard by at least so many sonars.
+/// The fewest sonars that hear a wall.
 const FEWEST_SONARS: usize = 3;
 
 /// Differences count up to this: a sonar that heard something else counts no more.

@@ -95,8 +95,7 @@ pub(super) struct Bounds {
     pub(super) margin: f64,
 }
 
-/// What the difference of a ring adds, by its parts, but not more than so much; what is not a number counts
-/// `missing`.
+/// What the difference of a ring adds, by its parts, up to a limit; what is not a number counts `missing`.
 #[derive(Clone, Copy, Default)]
 struct RingTerm {
     asked: [f32; PARTS],

@@ -51,7 +51,7 @@ pub(super) struct Best {
 }
 
 impl Best {
-    /// Of so many, at least 1.
+    /// Keeps the best `count`, at least 1.
     pub(super) fn new(count: usize) -> Self {
         Self { found: Vec::with_capacity(count + 1), count }
     }

@@ -11,17 +11,17 @@ use rpl_robot::world::Landmark;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A robot that goes by its odometry localizes by landmarks so near ...
+/// A robot that goes by its odometry localizes by landmarks no farther than this ...
 const NEAR_M: f64 = 3.0;
 
-/// ... once it has driven so far since the last time, and farther to do so by the same landmark again.
+/// ... once it has driven this far since the last time, and farther to do so by the same landmark again.
 const APART_M: f64 = 2.0;
 const AGAIN_M: f64 = 8.0;
 
 /// A sheet is the one that the robot localizes by within this of where it was.
 const SAME_M: f64 = 1.0;
 
-/// A landmark that is not expected is believed after so many images.
+/// The number of images after which a landmark that is not expected is believed.
 const SURE_IMAGES: u32 = 3;
 
 /// A landmark at which the estimate jumps farther than this was not expected.

@@ -177,8 +177,8 @@ impl Rupart {
         Situation { place_in_map, ..whole.seen_from(seen.robot_in_map) }
     }
 
-    /// No behaviour has brought the robot on from here: one is to be trained, if that is not known yet. The stretch
-    /// has taken so long, and there may be a way round.
+    /// No behaviour has brought the robot on from here: one is to be trained, if that is not known yet. The time the
+    /// stretch has taken is noted, and there may be a way round.
     pub(super) fn note_blocked(&mut self, now: &Moment<'_>, seen: &Seen, places: &Places) {
         if let (Some(errand), Some(map)) = (&self.errand, &now.model.map) {
             let heard_in_base = self.drive.heard_in_base(now.percept.odometry_in_odom);

@@ -71,7 +71,7 @@ impl Places {
         Ok(Self::joined(all, &pairs, room_m))
     }
 
-    /// Places with stretches between them, which have so much room.
+    /// Places with stretches between them, whose room `room_m` gives.
     pub(super) fn joined(all: Vec<KnownPlace>, pairs: &[(usize, usize)], room_m: impl Fn(usize, usize) -> f64) -> Self {
         let mut stretches: Vec<Vec<Stretch>> = vec![Vec::new(); all.len()];
         for (id, &(one, other)) in pairs.iter().enumerate() {

@@ -8,10 +8,10 @@ use rpl_robot::geometry::{Point, Vector, distance_m};
 use rpl_robot::planning::PlannerModel;
 use serde::{Deserialize, Serialize};
 
-/// So much of what was heard is remembered, the latest.
+/// How much of what was heard is remembered, the latest.
 const MOST_HEARD: usize = 2_000;
 
-/// Where the robot got no further counts as shut for so far to either side of the way, as near before its rim: what
+/// Where the robot got no further counts as shut this far to either side of the way, as near before its rim: what
 /// the sonars hear of a chair may leave a gap that it did not find through.
 const SHUT_M: f64 = 0.9;
 const BEFORE_RIM_M: f64 = 0.1;

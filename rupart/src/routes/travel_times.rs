@@ -62,7 +62,7 @@ impl TravelTimes {
         route.times_s[step].or_else(of_stretch).unwrap_or_else(|| self.expected_s(from.off_m(to, places)))
     }
 
-    /// What a way of so many metres is expected to take that nobody has measured.
+    /// What a way of this length is expected to take that nobody has measured.
     pub fn expected_s(&self, length_m: f64) -> f64 {
         self.pace * length_m / self.speed_mps
     }

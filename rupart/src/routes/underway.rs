@@ -60,8 +60,8 @@ impl Underway {
         self.route.part(self.next, self.route.stops.len() - 1)
     }
 
-    /// What was driven of it, if it is given up on the way from one known place to the next; that took so long, and
-    /// takes so much longer from here.
+    /// What was driven of it, if it is given up on the way from one known place to the next: that way counts with the
+    /// time it took and what it takes longer from here.
     pub fn given_up(&self, longer_s: f64) -> Option<Route> {
         self.before()?;
         self.route.stops.get(self.next)?.known()?;
@@ -70,7 +70,7 @@ impl Underway {
         Some(driven)
     }
 
-    /// It goes on for so long.
+    /// It goes on for the time of a step.
     pub fn note_time(&mut self, step_s: f64) {
         self.step_s += step_s;
     }

@@ -17,25 +17,25 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A fork is driven for so long.
+/// How long a fork is driven.
 const FORK_S: f64 = 5.0;
 
-/// On the way a case is retrieved so often.
+/// The time from one retrieval of a case to the next on the way.
 const RETRIEVAL_S: f64 = 3.0;
 
-/// A retrieval is learned from or judged after so much driving.
+/// A retrieval is learned from or judged after driving for this time.
 const LOOK_S: f64 = 6.0;
 
-/// A touch counts as so much of the way lost.
+/// How much of the way a touch counts as lost.
 const CONTACT_M: f64 = 5.0;
 
-/// Parameters are kept if they get the robot so much farther than the retrieved ones.
+/// Parameters are kept if they get the robot farther than the retrieved ones by more than this.
 const WORTH_M: f64 = 0.3;
 
 /// Longer routes are driven by none of the trials.
 const LONGEST_M: f64 = 45.0;
 
-/// A drive has failed that takes longer than at this speed, and so much besides.
+/// A drive has failed that takes longer than at this speed, and this time besides.
 const SLOWEST_MPS: f64 = 0.2;
 const GRACE_S: f64 = 30.0;
 
@@ -63,7 +63,7 @@ impl Quality {
     /// All of them, the best first.
     pub const ALL: [Quality; 4] = [Self::Optimal, Self::NearOptimal, Self::Fair, Self::Poor];
 
-    /// Of parameters that get so far, where the best get so far.
+    /// Of parameters that get the first distance, where the best get the second.
     fn of(gain_m: f64, best_m: f64) -> Self {
         let regret = if best_m > 0.0 { (best_m - gain_m) / best_m } else { 0.0 };
         let worse = REGRETS.iter().filter(|&&most| regret > most).count();
@@ -78,7 +78,7 @@ pub enum Driver {
     Tuned,
     /// By nine cases made by hand.
     HandMade,
-    /// By a memory that began with the tuned parameters and was trained on so many drives.
+    /// By a memory that began with the tuned parameters and was trained on this number of drives.
     Learned(u32),
 }
 

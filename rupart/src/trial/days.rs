@@ -22,10 +22,11 @@ use std::f64::consts::PI;
 /// Errands of a day.
 const ERRANDS: u32 = 100;
 
-/// At night behaviours are trained for so many moments of the day, besides those where the robot got no further.
+/// The number of moments of the day for which behaviours are trained at night, besides those where the robot got no
+/// further.
 const TRAINED_MOMENTS: usize = 12;
 
-/// So often it is given another route, as `go-by-cases` does, before it counts as failed.
+/// How often it is given another route, as `go-by-cases` does, before it counts as failed.
 const OTHER_ROUTES: u32 = 2;
 
 /// An errand, and how it went.

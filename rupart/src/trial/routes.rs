@@ -21,7 +21,7 @@ const FIRST_CASES: usize = 20;
 /// What a robot drives where nothing holds it up.
 const SPEED_MPS: f64 = 0.5;
 
-/// Where the map says too little: so many of the stretches take so many times as long.
+/// Where the map says too little: the share of the stretches that take longer, and how many times as long.
 pub const SLOW: (f64, f64) = (0.15, 6.0);
 
 /// How routes are made.

@@ -15,7 +15,7 @@ enum Damage {
     Flip,
 }
 
-/// How many damaged journals were gone on with wrongly: every file cut at every byte of its end, and so many bits
+/// How many damaged journals were gone on with wrongly: every file cut at every byte of its end, and a number of bits
 /// flipped.
 ///
 /// # Errors

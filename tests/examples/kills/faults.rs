@@ -18,7 +18,7 @@ const CALLS: [(&str, &str); 7] = [
     ("openat", "EACCES"),
 ];
 
-/// One fails, or so many from it on.
+/// How many fail in a row, the first included.
 const COUNTS: [usize; 2] = [1, 20];
 
 /// Files whose calls fail, and those beside them.

@@ -23,13 +23,13 @@ const OFFICE: [&str; 9] = [
 /// How often an hour is lived through with kills for each time without.
 const HOURS: usize = 5;
 
-/// A process lives no longer than one part in so many of the time that the hour takes.
+/// A process lives no longer than the time that the hour takes, divided by this.
 const LIVES: u64 = 7;
 
 /// How often a file that grows is looked at.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// One kill in so many is followed by a look at how long it takes to stand where the run was.
+/// One kill in this many is followed by a look at how long it takes to stand where the run was.
 const RESUMED_ONE_IN: u64 = 10;
 
 /// What came of kills.
@@ -72,7 +72,7 @@ impl fmt::Display for Count {
 /// The command cannot be started, or the disk is full.
 pub fn kills(bench: &Bench, kills: u64) -> io::Result<u64> {
     let count = Mutex::new(Count::default());
-    // So many seeds are enough, because every hour dies at least once.
+    // As many seeds as kills are enough, because every hour dies at least once.
     let findings = bench.each(
         kills as usize,
         |_| Ok(()),

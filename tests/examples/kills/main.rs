@@ -3,7 +3,7 @@
 //!
 //! Office hours are run undisturbed and then with a journal, killed again and again, and gone on with (`hours`).
 //! What they printed, told and traced must be the same, byte for byte. `--damages 10000` cuts every length up to 4 kB
-//! off the end of each file in the journal of a short run, and flips so many bits: going on with it must give the same
+//! off the end of each file in the journal of a short run, and flips 10000 bits: going on with it must give the same
 //! or be refused (`damages`). `--faults` lets each write of a short run fail in its turn, by means of `strace`
 //! (`faults`). The command is the one beside the examples, or `--command PATH`; `--jobs N` work at once.
 

@@ -11,7 +11,7 @@ use std::path::Path;
 /// A run that goes on until somebody at the page ends it.
 const PLAN: &str = "(loop (wait-time 1))\n";
 
-/// So many connections are held open at a time.
+/// How many connections are held open at a time.
 const MOST_HELD: usize = 300;
 
 struct Page {

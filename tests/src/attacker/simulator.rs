@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// the time that others take.
 const ROBOT_IS_FREE: Duration = Duration::from_secs(6);
 
-/// So many connections are held open at a time.
+/// How many connections are held open at a time.
 const MOST_HELD: usize = 200;
 
 struct Simulator {

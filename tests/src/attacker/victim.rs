@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 /// Somebody with good intentions is served within this time, whatever others do.
 pub const IN_TIME: Duration = Duration::from_secs(2);
 
-/// An attacked process may take so much more memory than it had when it began to serve.
+/// How much more memory an attacked process may take than it had when it began to serve.
 const MORE_BYTES: u64 = 96 << 20;
 
-/// So few files and connections may be open in it at a time.
+/// How many files and connections may be open in it at a time: few.
 const MOST_DESCRIPTORS: u32 = 256;
 
 /// A process that was started.

@@ -71,7 +71,7 @@ const PIECES: &[&str] = &[
     "1979-05-27",
 ];
 
-/// The text with one in so many of its numbers exchanged.
+/// The text with one in `one_in` of its numbers exchanged.
 pub fn numbers(text: &str, one_in: usize, dice: &mut Dice) -> String {
     let mut changed = String::with_capacity(text.len());
     let mut rest = text;

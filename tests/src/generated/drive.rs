@@ -114,7 +114,7 @@ impl Case {
         judged.unwrap_or_else(|panic| Err(format!("panic: {}", said(&*panic))))
     }
 
-    /// Compiles the case and judges so many of its runs, each under disturbances of its own.
+    /// Compiles the case and judges a number of its runs, each under disturbances of its own.
     ///
     /// # Errors
     /// The first thing that should not have happened.
@@ -216,7 +216,7 @@ struct Run<'l> {
     dice: Dice,
     variation: Variation,
     vary: Dice,
-    /// A disturbance comes once in so many steps; never if 0.
+    /// The number of steps in which a disturbance comes once; never if 0.
     mischief: usize,
     /// Before this step, some task is given another plan.
     swap_at: Option<usize>,

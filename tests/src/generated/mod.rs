@@ -31,7 +31,7 @@ impl Dice {
         (self.0.next_u64() % end as u64) as usize
     }
 
-    /// True once in so many times.
+    /// True once in a number of times.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }

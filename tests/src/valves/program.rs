@@ -26,7 +26,7 @@ pub struct Child {
 /// Something a task does.
 #[derive(Clone, Debug)]
 pub enum Act {
-    /// It waits for so many seconds.
+    /// It waits for this number of seconds.
     Wait(u64),
     /// It does this holding a valve.
     With(usize, Vec<Act>),
@@ -178,8 +178,8 @@ fn children() -> Vec<Vec<Act>> {
     children
 }
 
-/// Each so manieth of the programs with so many children, as far as it has at most so many tasks; the first valve has
-/// so many places.
+/// Every nth (`every`) of the programs with `width` children, as far as it has at most `most` tasks; the first valve
+/// has `places` places.
 pub fn programs(width: usize, places: usize, most: usize, every: usize) -> impl Iterator<Item = Program> {
     let children = children();
     let mut chosen = vec![0; width];

@@ -14,7 +14,7 @@ fn work(text: &str, n: usize) -> u64 {
     system.machine.work()
 }
 
-/// Four times as much costs at most so many times as much; twice the logarithm has room in it.
+/// How many times as much four times the work may cost; twice the logarithm has room in it.
 const MOST: u64 = 6;
 
 #[track_caller]

@@ -195,8 +195,8 @@ fn no_program_takes_much_more_than_the_limit() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// What a text leaves behind when it has run and nothing refers to what it made: at most so many bytes
-/// more than one that makes nothing.
+/// What a text leaves behind when it has run and nothing refers to what it made: at most 300 kB more than one that
+/// makes nothing.
 #[track_caller]
 fn leaves_nothing(text: &str) {
     let left = |text: &str| {

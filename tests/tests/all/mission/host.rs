@@ -79,7 +79,7 @@ fn plans_see_what_the_script_says() {
     assert!(system.outside.host.told.iter().all(|commands| commands.translation_mps == 0.0));
 }
 
-/// A host that says for so many steps that nothing happens, and is gone then.
+/// A host that says for a number of steps that nothing happens, and is gone then.
 fn gone_after(steps: usize) -> Script {
     let (_, system) = run("(wait-time 0.1)", listener());
     let (_, quiet) = system.outside.host.heard.into_iter().next().expect("a step");

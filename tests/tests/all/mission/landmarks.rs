@@ -51,7 +51,7 @@ fn off(system: &Running) -> (f64, f64) {
     (estimate.distance_m(truth), wrap_angle_rad(estimate.heading_rad - truth.heading_rad).abs())
 }
 
-/// A run in which the robot takes itself to be elsewhere along the hall, by so much.
+/// A run in which the robot takes itself to be elsewhere along the hall, `by_m` off.
 fn misled(mission: &Mission, seed: u64, by_m: f64) -> Running {
     let mut robot = mission.robot(seed);
     let spread = Spread { position_m: 0.3, ..Spread::default() };

@@ -8,7 +8,7 @@ use rpl_tests::mission::{Grid, Mission, builtin, lines, test_room};
 
 const SEED: u64 = 1;
 
-/// The trace of a run that is replaced by its reloaded copy after every so many instants.
+/// The trace of a run that is replaced by its reloaded copy whenever a number of instants have passed.
 fn reloaded(mission: &Mission, every: usize, until_s: f64) -> String {
     let mut system = mission.start(SEED);
     let mut events = Vec::new();

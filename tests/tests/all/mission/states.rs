@@ -13,7 +13,7 @@ fn check(plan: &str, expected: &str) {
     assert_eq!(outcome(plan), expected, "{plan}");
 }
 
-/// `(signal B)`: the signal of a behaviour if there is one within so many seconds.
+/// `(signal B SECONDS)`: the signal of a behaviour if there is one within that time.
 const SIGNAL: &str = "
 (defun signal (behaviour seconds)
   (with-failure-handling ((timeout () 'none) (failure (f) (failure-class f)))

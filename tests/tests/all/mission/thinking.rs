@@ -48,7 +48,7 @@ impl Line<CommandsMessage, HostAnswer> for Still {
     }
 }
 
-/// Answers each question so many turns after it was asked, and remembers all that was said.
+/// Answers each question a number of turns after it was asked, and remembers all that was said.
 #[derive(Debug)]
 struct Patient {
     turns: u64,

@@ -95,7 +95,7 @@ fn lists_are_nested_to_a_bound() {
     assert!(TooNested.to_string().contains(&format!("at most {MAX_NESTING} deep")));
 }
 
-/// So many numbers, different each time they are made.
+/// A list of `count` numbers, made anew each time.
 fn numbers(count: i64) -> Reading {
     list((0..count).map(Reading::Int))
 }

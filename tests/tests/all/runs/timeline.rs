@@ -19,7 +19,7 @@ const PLAN: &str = "
 (with-policy (whenever (changed level) (wait-time 0.05))
   (fill))";
 
-/// A run of so many instants, its history, and what each instant was at its end.
+/// A run of a number of instants, its history, and what each instant was at its end.
 fn recorded(instants: u64, bytes_apart: fn(&NoRobot, &NoRobot) -> usize) -> (Timeline<NoRobot>, Vec<(u64, Vec<u8>)>) {
     let mut system = session();
     let mut timeline = Timeline::new(&system, bytes_apart);

@@ -1,4 +1,4 @@
-//! Quorums: how many children must succeed, how many may fail, and the first so many of `pursue-first-n`.
+//! Quorums: how many children must succeed, how many may fail, and the first n of `pursue-first-n`.
 
 use rpl_tests::{check, run};
 
