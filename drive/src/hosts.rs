@@ -39,11 +39,11 @@ const MOST_THINKING_KEPT: usize = 54_000;
 /// Arguments that say who moves the robot, and whether what it says is kept.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct HostArguments {
-    /// Who moves the robot: a process at this address, such as 127.0.0.1:7300 (`rpl simulate`); the world is
-    /// nothing but the map then
+    /// Address of the host that moves the robot, such as 127.0.0.1:7300 (`rpl simulate`); the world is then
+    /// only the robot's map
     #[arg(long, value_name = "ADDRESS", conflicts_with = "scenario", value_hint = ValueHint::Hostname)]
     pub host: Option<String>,
-    /// Writes all that comes from outside to this file, so that the run can be repeated (`rpl replay`)
+    /// Record all input from outside in this file, so that `rpl replay` can repeat the run
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub record: Option<PathBuf>,
     #[command(flatten)]

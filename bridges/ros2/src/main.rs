@@ -38,53 +38,53 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 /// Somebody wants the bridge to end.
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// Serves a robot that speaks ROS 2 to a mission (`rpl run --host`)
+/// Serve a robot with ROS 2 to a mission (`rpl run --host`)
 #[derive(Parser, Debug)]
 #[command(version)]
 struct Arguments {
-    /// The robot: a built-in name, or a .toml file; it says which sensors there are
+    /// Robot: a built-in name or a .toml file, which describes its sensors
     #[arg(long, value_name = "R")]
     robot: String,
-    /// Where missions connect; with port 0 the system chooses one, and the first line says which
+    /// Address where missions connect; with port 0 the system chooses one, and the first line says which
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:7300")]
     listen: String,
-    /// The domain of ROS 2
+    /// Domain of ROS 2
     #[arg(long, value_name = "N", env = "ROS_DOMAIN_ID", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=LAST_DOMAIN))]
     domain: u16,
-    /// The robot stands where the world says it starts; without it a mission has to find out where it is
+    /// The robot is at the start that the world names (default: the mission has to find its position)
     #[arg(long)]
     start_known: bool,
-    /// Odometry comes from here (nav_msgs/Odometry)
+    /// Topic of the odometry (nav_msgs/Odometry)
     #[arg(long, value_name = "TOPIC", default_value = "/odom")]
     odometry: String,
-    /// The laser's scans come from here (sensor_msgs/LaserScan)
+    /// Topic of the laser scans (sensor_msgs/LaserScan)
     #[arg(long, value_name = "TOPIC", default_value = "/scan")]
     scan: String,
-    /// Sonar n is heard here (sensor_msgs/Range), with n from 0 in the place of {}
+    /// Topic of each sonar (sensor_msgs/Range); {} is replaced by its number, from 0 on
     #[arg(long, value_name = "TOPIC", default_value = "/sonar_{}")]
     sonar: String,
-    /// The bumper is heard here (std_msgs/Bool)
+    /// Topic of the bumper (std_msgs/Bool)
     #[arg(long, value_name = "TOPIC", default_value = "/bumper")]
     bumper: String,
-    /// The battery is heard here (sensor_msgs/BatteryState)
+    /// Topic of the battery (sensor_msgs/BatteryState)
     #[arg(long, value_name = "TOPIC", default_value = "/battery_state")]
     battery: String,
-    /// A mission that gives no commands for so many seconds has lost the robot
+    /// Release the robot if a mission gives no commands for this many seconds
     #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs(), value_parser = clap::value_parser!(u64).range(1..=86_400))]
     patience: u64,
-    /// The file with the token that missions have to know, one line of 16 characters or more
+    /// File with the token that missions must know, one line of at least 16 characters
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// The wheels are told here (geometry_msgs/Twist)
+    /// Topic of the commanded velocity (geometry_msgs/Twist)
     #[arg(long, value_name = "TOPIC", default_value = "/cmd_vel")]
     velocity: String,
-    /// The laser sits so far ahead of the middle of the robot, in metres
+    /// Distance of the laser ahead of the middle of the robot, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     laser_x: f64,
-    /// The laser sits so far to the left of the middle of the robot, in metres
+    /// Distance of the laser to the left of the middle of the robot, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     laser_y: f64,
-    /// The laser's zero looks in this direction, in degrees counter-clockwise from ahead
+    /// Direction of the laser's zero, in degrees counter-clockwise from ahead
     #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     laser_heading: f64,
 }

@@ -27,25 +27,25 @@ use std::sync::Arc;
 /// The robot that is to pass between places, unless another is named.
 const ROBOT: &str = "pioneer-2dx";
 
-/// Shows a case memory, what it retrieves, and what is wrong with it
+/// Show a case memory, explain what it retrieves, and check it
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The case file
+    /// Case file
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     file: PathBuf,
-    /// The world its places are of; the one that it names without
+    /// World of its places (default: the one that the file names)
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
-    /// The robot that is to drive there; `pioneer-2dx` without
+    /// Robot that will drive there (default: pioneer-2dx)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
-    /// Which case is retrieved in a situation, and why; like '{"place_in_map":[1,2]}'
+    /// Explain which case is retrieved in a situation, such as '{"place_in_map":[1,2]}'
     #[arg(long, value_name = "SITUATION", conflicts_with_all = ["check", "draw"])]
     explain: Option<String>,
-    /// Looks for cases that are poor, hidden behind others, or lead through walls
+    /// Look for cases that are poor, hidden behind others, or lead through walls
     #[arg(long, conflicts_with = "draw")]
     check: bool,
-    /// Draws places and routes into this file
+    /// Draw places and routes into this file, as SVG
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     draw: Option<PathBuf>,
 }

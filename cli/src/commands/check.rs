@@ -21,30 +21,30 @@ use rpl_shell::terminal::console::Console;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Checks plans without running them: all faults at once, and what is probably wrong.
+/// Check plans without running them: report all errors, and warn of what is probably wrong
 ///
-/// An error is what keeps a plan from running, and makes the exit status 2; a warning is not, and
-/// leaves it 0. Each warning has the name of its rule. A comment `; check: allow RULE` in its line,
-/// or in the line above, takes it away; what is unused on purpose begins with an underscore.
+/// An error keeps a plan from running, and the exit status is 2. A warning does not, and the exit status
+/// is 0. Each warning has the name of its rule. To allow it, write a comment `; check: allow RULE` in its
+/// line or in the line above; begin names that are unused on purpose with an underscore.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files, folders with plans, or a project, by its `rpl.toml`; `-` for standard input; without any, those of
-    /// the folder of the nearest `rpl.toml`, in its world
+    /// Plan files, folders with plans, or the `rpl.toml` of a project; `-` for standard input (default: the plans and
+    /// the world of the nearest `rpl.toml`, in this folder or above)
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
-    /// The files are scenarios: plans with hands in the world
+    /// Check the files as scenarios: second plans that disturb the world
     #[arg(long)]
     scenario: bool,
-    /// The world they are for: places they name must be there
+    /// World of the plans: places that they name must exist in it
     #[arg(long, value_name = "WORLD", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
-    /// The robot: a built-in name, or a .toml file (default: b21)
+    /// Robot: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", conflicts_with = "scenario", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
-    /// A module in another process that they are for, by its manifest; once for each
+    /// Manifest of a module in another process that the plans use; can be repeated
     #[arg(long, value_name = "FILE", conflicts_with = "scenario", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
-    /// Writes one JSON object to standard output instead
+    /// Print one JSON object to standard output instead
     #[arg(long)]
     json: bool,
 }

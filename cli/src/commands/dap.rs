@@ -3,10 +3,10 @@
 use anyhow::Result;
 use rpl_shell::status::Status;
 
-/// Serves a debugger: breakpoints, steps in both directions, the tasks of a plan
+/// Run the debug adapter for editors: breakpoints, steps in both directions, the tasks of a plan
 ///
-/// Speaks the Debug Adapter Protocol over standard input and output; editors start it. What is debugged is said by
-/// `launch`: `program` is the plan, `args` are words of `rpl step` such as `--world dept`, and `stopOnEntry` stops it
+/// It uses the Debug Adapter Protocol over standard input and output; editors start it. `launch` takes three arguments:
+/// `program` is the plan, `args` are options of `rpl step` such as `--world dept`, and `stopOnEntry` stops the plan
 /// before its first form.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {}

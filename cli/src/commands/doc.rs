@@ -15,13 +15,14 @@ use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use std::ffi::OsStr;
 
-/// Documents a name or a topic, searches for a word, or lists all names
+/// Show the documentation of a name or a topic, search for a word, or list all names
 ///
-/// At a terminal through a pager: `RPL_PAGER`, else `PAGER`, else `less -FRX`; none if that is empty.
+/// At a terminal the output goes through a pager: `RPL_PAGER`, else `PAGER`, else `less -FRX`. An empty value turns
+/// paging off.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Whatever has a name in the language, the library or the robot, a command, a topic such as
-    /// `behaviours`, or a word to search for
+    /// Name in the language, the library or the robot, a command, a topic such as `behaviours`, or a word to
+    /// search for (default: list all names)
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(documented))]
     name: Option<String>,
 }

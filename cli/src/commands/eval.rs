@@ -21,16 +21,16 @@ use std::time::Instant;
 /// A value that takes more columns is laid out over several lines.
 const WIDE: usize = 100;
 
-/// Evaluates an expression, or standard input, and prints the value
+/// Evaluate an expression, or standard input, and print its value
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The expression; `-` for standard input
+    /// Expression; `-` for standard input
     #[arg(value_name = "EXPR", allow_hyphen_values = true)]
     expression: String,
     /// Where it is evaluated
     #[command(flatten)]
     site: SiteArguments,
-    /// Writes one JSON object to standard output instead of the value, behind what the expression prints
+    /// Print one JSON object to standard output instead of the value, after the output of the expression
     #[arg(long)]
     json: bool,
 }

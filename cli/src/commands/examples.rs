@@ -8,10 +8,10 @@ use rpl_shell::arguments::completion;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 
-/// Lists the built-in plans, or shows one
+/// List the built-in plans, or show one
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A built-in plan
+    /// Built-in plan
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::built_in))]
     name: Option<String>,
 }

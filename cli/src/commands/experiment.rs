@@ -23,7 +23,7 @@ use std::ffi::OsStr;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
-/// Runs a plan with many seeds and makes a table
+/// Run a plan with many seeds and print a table of the results
 #[derive(clap::Args, Clone, Debug)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct Arguments {
@@ -31,55 +31,56 @@ pub struct Arguments {
     merge: Option<Merge>,
     #[arg(value_name = "NAME", help = what_name_means(), add = ArgValueCompleter::new(known))]
     name: Option<String>,
-    /// How many seeds (default: 20)
+    /// Number of seeds (default: 20)
     #[arg(long, value_name = "N", value_parser = runs)]
     runs: Option<NonZero<u32>>,
-    /// How many runs at a time (default: the number of cores)
+    /// Number of runs at a time (default: the number of cores)
     #[arg(long, value_name = "J", value_parser = jobs_at_a_time)]
     jobs: Option<NonZero<usize>>,
-    /// The first seed (default: 1)
+    /// First seed (default: 1)
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// The world, for a plan of your own
+    /// World, for a plan of your own
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
-    /// The robot: a built-in name, or a .toml file (default: b21)
+    /// Robot: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
-    /// What happens on the way: a plan with hands in the world
+    /// A scenario, for a plan of your own: a second plan that disturbs the world (turns the robot, closes doors, sends
+    /// messages)
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     scenario: Option<String>,
-    /// A module in another process, by its manifest, for a plan of your own; once for each
+    /// Manifest of a module in another process, for a plan of your own; can be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
-    /// Another first value for a variable of your plan: NAME=EXPR (repeatable)
+    /// Set the initial value of a variable of your plan; can be repeated
     #[arg(long, value_name = "NAME=EXPR")]
     set: Vec<String>,
-    /// Compares your plan with itself for several first values of a variable: NAME=A,B (repeatable)
+    /// Compare your plan with itself for several initial values of a variable; can be repeated
     #[arg(long, value_name = "NAME=A,B")]
     vary: Vec<String>,
-    /// Only this row of the table
+    /// Run only this row of the table
     #[arg(long, value_name = "ROW", add = ArgValueCompleter::new(rows))]
     row: Option<String>,
-    /// Drives on the recorded maps below this folder instead: for `buildings`
+    /// Drive on the recorded maps below this folder, for `buildings`
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     maps: Option<PathBuf>,
-    /// What the robot of each run remembers at its start: for `rupart`, and plans of your own
+    /// Case memory of the robot at the start of each run, for `rupart` and plans of your own
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     cases: Option<PathBuf>,
-    /// Writes every run as a line of `runs.csv`, and charts, into this folder
+    /// Write `runs.csv`, with a line for each run, and charts into this folder
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     results: Option<PathBuf>,
-    /// A run that takes longer, in the plan's time, counts as failed (default: 1h)
+    /// Time limit of a run, in the plan's time; a run that takes longer has failed (default: 1h)
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     until: Option<u64>,
     /// Writes every figure of the tables as one JSON object to standard output instead
     #[arg(long)]
     json: bool,
-    /// Only the I-th of K stretches of the seeds, such as 3/8
+    /// Run only the I-th of K shards of the seeds, such as 3/8
     #[arg(long, value_name = "I/K", requires = "out")]
     shard: Option<Shard>,
-    /// Writes the runs into this file instead of a table; `rpl experiment merge` makes the table
+    /// Write the runs to this file instead of a table, for `rpl experiment merge`
     #[arg(long, value_name = "PART", value_hint = ValueHint::FilePath, conflicts_with_all = ["json", "results"])]
     out: Option<PathBuf>,
 }
@@ -87,14 +88,14 @@ pub struct Arguments {
 /// What is done with runs that are there.
 #[derive(clap::Subcommand, Clone, Debug)]
 enum Merge {
-    /// Makes the table of runs that were done in shards
+    /// Print the table of runs that were done in shards
     Merge(MergeArguments),
 }
 
 /// The parts of an experiment, and what is to become of them.
 #[derive(clap::Args, Clone, Debug)]
 struct MergeArguments {
-    /// What `rpl experiment NAME --shard I/K --out PART` has written, in any order
+    /// Files from `rpl experiment NAME --shard I/K --out PART`, in any order
     #[arg(value_name = "PART", required = true, value_hint = ValueHint::FilePath)]
     parts: Vec<PathBuf>,
     /// Writes every run as a line of `runs.csv`, and charts, into this folder
@@ -103,7 +104,7 @@ struct MergeArguments {
     /// Writes every figure of the tables as one JSON object to standard output instead
     #[arg(long)]
     json: bool,
-    /// Writes the runs into one part instead of a table
+    /// Write the runs into one part instead of a table
     #[arg(long, value_name = "PART", value_hint = ValueHint::FilePath, conflicts_with_all = ["json", "results"])]
     out: Option<PathBuf>,
 }
@@ -122,7 +123,8 @@ const MOST_JOBS: usize = 1_024;
 fn what_name_means() -> String {
     let names: Vec<String> = rpl_experiments::names().map(|(name, _)| format!("`{name}`")).collect();
     format!(
-        "{}, a plan of your own, or an experiment file (.toml) that compares variants of one; `-` for standard input; without it, the plan that `rpl.toml` names, in its world",
+        "{}, a plan of your own, or an experiment file (.toml) that compares variants of a plan; `-` for standard input \
+         (default: the plan and world of the nearest `rpl.toml`)",
         names.join(", ")
     )
 }

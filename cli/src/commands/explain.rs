@@ -8,10 +8,10 @@ use rpl_shell::terminal::console::Console;
 /// The pages, each with a section for a code.
 const PAGES: [&str; 2] = [include_str!("../../../docs/errors.md"), include_str!("../../../docs/warnings.md")];
 
-/// Tells what an error or a warning means
+/// Explain an error or a warning
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The code, as in `error[unclosed-list]`; without it all codes are listed
+    /// Code, as in `error[unclosed-list]` (default: list all codes)
     #[arg(value_name = "CODE", add = clap_complete::engine::ArgValueCompleter::new(complete))]
     code: Option<String>,
 }

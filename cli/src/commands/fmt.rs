@@ -17,16 +17,16 @@ use std::path::{Path, PathBuf};
 /// Lines of a text that stand around each change in a diff.
 const AROUND: usize = 3;
 
-/// Formats plans: indentation, spaces, and lines that are too long
+/// Format plans: indentation, spaces, and lines that are too long
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files, or folders with plans; `-` for standard input, which is written to standard output
+    /// Plan files or folders with plans; `-` formats standard input to standard output
     #[arg(value_name = "FILE", required = true, add = ArgValueCompleter::new(completion::plan_files))]
     files: Vec<String>,
-    /// Changes nothing: lists the files that are not formatted, with exit status 1
+    /// Change nothing; list the files that are not formatted, with exit status 1
     #[arg(long, conflicts_with = "diff")]
     check: bool,
-    /// Changes nothing: shows what would be changed, as `patch` reads it, with exit status 1
+    /// Change nothing; show the changes as a unified diff, with exit status 1
     #[arg(long)]
     diff: bool,
 }

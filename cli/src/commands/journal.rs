@@ -16,13 +16,13 @@ use std::path::{Path, PathBuf};
 /// Columns of the words before what they are about.
 const KEY_COLUMNS: usize = 12;
 
-/// Tells what is in a journal (`rpl run --journal`): which run, how far it came, and the texts it has
+/// Show what is in a journal (`rpl run --journal`): the run, how far it has come, and its texts
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The folder of the journal
+    /// Folder of the journal
     #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub journal: PathBuf,
-    /// Writes one of its texts to standard output: the plan, the scenario, or what they load
+    /// Print one of its texts to standard output: the plan, the scenario, or a file that they load
     #[arg(long, value_name = "NAME")]
     pub text: Option<String>,
 }

@@ -25,10 +25,10 @@ use std::sync::Arc;
 /// The world whose places are offered where nothing says which is meant.
 const USUAL_WORLD: &str = "dept";
 
-/// Serves an editor: findings, documentation, names, formatting
+/// Run the language server for editors: findings, documentation, names, formatting
 ///
-/// Speaks the Language Server Protocol over standard input and output; editors start it. It ends with status 0 if it was
-/// shut down before it was told to exit, and 1 otherwise.
+/// It uses the Language Server Protocol over standard input and output; editors start it. The exit status is 0 after
+/// `shutdown` and `exit`, and 1 otherwise.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// For editors that say how they speak: the only way there is

@@ -10,10 +10,10 @@ use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use std::path::PathBuf;
 
-/// Writes manual pages into a folder, one for each command
+/// Write manual pages into a folder, one for each command
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The folder, such as ~/.local/share/man/man1; it is made if it is not there
+    /// Folder, such as ~/.local/share/man/man1; it is created if necessary
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
 }

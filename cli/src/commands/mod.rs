@@ -38,7 +38,7 @@ use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use rpl_shell::terminal::layout;
 
-/// Reactive plans, and a robot that carries them out
+/// Run, check and debug robot plans
 #[derive(Parser, Debug)]
 #[command(name = "rpl", version = VERSION, max_term_width = layout::HELP_COLUMNS)]
 #[command(
@@ -49,7 +49,7 @@ pub struct CommandLine {
     #[command(subcommand)]
     /// The subcommand; none is the prompt.
     pub command: Option<Command>,
-    /// Whether colours are written: `auto`, `always` or `never`
+    /// When to use colours: `auto`, `always` or `never`
     #[arg(long, global = true, value_name = "WHEN", default_value_t = ColorChoice::Auto, hide_possible_values = true)]
     pub color: ColorChoice,
     /// What `rpl` alone takes, which is the prompt.
@@ -61,9 +61,9 @@ pub struct CommandLine {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     Run(Box<run::Arguments>),
-    /// Reads forms and runs them: the prompt, with the stepper. So does `rpl` alone
+    /// Start the prompt, which reads forms and runs them; `rpl` alone does the same
     Repl(repl::Arguments),
-    /// The same, stopped before the first form of a file
+    /// Start the prompt and stop before the first form of a file
     Step(repl::Arguments),
     Resume(resume::Arguments),
     Journal(journal::Arguments),

@@ -24,13 +24,13 @@ const NAME: &str = "NAME";
 const PLACE: &str = "PLACE";
 const WORLD: &str = "WORLD";
 
-/// Begins a project: a folder with a plan, tests, a scenario and `rpl.toml`
+/// Create a project: a folder with a plan, tests, a scenario and `rpl.toml`
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The folder, which is made
+    /// Folder to create
     #[arg(value_name = "NAME", value_hint = ValueHint::DirPath)]
     name: PathBuf,
-    /// The world the robot is in: a built-in name, or a .toml file, of which the project gets a copy
+    /// World that the robot is in: a built-in name, or a .toml file, which is copied into the project
     #[arg(long, value_name = "W", default_value = "test-room", add = ArgValueCompleter::new(completion::worlds))]
     world: String,
 }

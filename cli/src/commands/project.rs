@@ -16,30 +16,30 @@ use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use std::ops::ControlFlow::Continue;
 
-/// Tells how a plan would probably go, by what the robot knows
+/// Predict how a plan will go, from what the robot knows
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, or a built-in example; `-` for standard input; without it, the plan that `rpl.toml` names
+    /// Plan file or built-in example; `-` for standard input (default: the plan of the nearest `rpl.toml`)
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     file: Option<String>,
     #[command(flatten)]
     site: SiteArguments,
-    /// Another first value for a variable of the plan
+    /// Set the initial value of a variable of the plan; can be repeated
     #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
     set: Vec<String>,
-    /// How many runs are projected
+    /// Number of projected runs
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     runs: u32,
-    /// The plan is run up to this time, such as 3min, and projected from there
+    /// Run the plan up to this time, such as 3min, and project from there
     #[arg(long, value_name = "TIME", default_value = "0s", value_parser = parse_duration_us)]
     from: u64,
-    /// How far is projected
+    /// How far to project
     #[arg(long, value_name = "TIME", default_value = "1h", value_parser = parse_duration_us)]
     horizon: u64,
-    /// In which detail the robot is projected: in events, or step by step by its own controller
+    /// Detail of the projection: events (`abstract`), or each step of the robot's own controller (`simulated`)
     #[arg(long, value_name = "GRAIN", default_value = Grain::default().name(), value_parser = parse_grain)]
     grain: Grain,
-    /// Writes one JSON object
+    /// Print one JSON object to standard output
     #[arg(long)]
     json: bool,
 }

@@ -26,15 +26,15 @@ use std::path::{Path, PathBuf};
 /// Arguments of `rpl repl` and `rpl step`.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file to begin with, or a built-in example; or the folder of a journal (`rpl run --journal`), whose
-    /// run is repeated up to where it came
+    /// Plan file or built-in example to begin with; or the folder of a journal (`rpl run --journal`), whose run
+    /// is repeated up to its last instant
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: Option<String>,
-    /// Writes what is typed down in this folder, so that the prompt goes on there after a crash; or goes on with what
-    /// was written there
+    /// Record the session in this folder, so that it can be continued after a crash; if the folder has a session,
+    /// continue it
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with_all = ["record", "at"])]
     pub journal: Option<PathBuf>,
-    /// The time of a journal's run at which the prompt stands, such as 90s or 5min
+    /// Stop at this time of a journal's run, such as 90s or 5min
     #[arg(long, value_name = "TIME", requires = "file", value_parser = parse_duration_us)]
     pub at: Option<u64>,
     #[command(flatten)]

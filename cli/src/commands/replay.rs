@@ -18,18 +18,17 @@ use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use std::path::PathBuf;
 
-/// Repeats a recorded run (`rpl run --record`) without what was outside: with its trace, its figures, and the
-/// prompt
+/// Replay a recorded run (`rpl run --record`) without its host and modules
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The recording
+    /// Recording
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub file: PathBuf,
-    /// Another plan in the place of the recorded one: it runs up to where it acts differently
+    /// Run another plan instead of the recorded one, up to where it acts differently
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub plan: Option<String>,
-    /// The prompt, with the plan stopped before its first form, or after all that was typed: stepper, `:why`
-    /// and `:back` work
+    /// Start the prompt, with the plan stopped before its first form, or after everything that was typed: stepper,
+    /// `:why` and `:back` work
     #[arg(long)]
     pub prompt: bool,
     #[command(flatten)]

@@ -30,37 +30,36 @@ use std::io::{self, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Goes on with a run (`rpl run --journal`) that was killed, or stood still at `--until`
+/// Resume a run with a journal (`rpl run --journal`) after a crash, or after `--until`
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The folder of its journal
+    /// Folder of the journal
     #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub journal: PathBuf,
-    /// Stops at this time of the plan, such as 90s or 5min; without, where the run was to stop
+    /// Stop at this time of the plan, such as 90s or 5min (default: the time given to the run)
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
-    /// Where the host is that moves the robot now; without, where it was
+    /// Address of the host that moves the robot (default: its last address)
     #[arg(long, value_name = "ADDRESS", value_hint = ValueHint::Hostname)]
     pub host: Option<String>,
     #[command(flatten)]
     pub token: TokenArgument,
-    /// Takes new definitions from the texts of the plan that have changed: calls that are made from then on are of
-    /// them
+    /// Take new definitions from changed texts of the plan; they are used for calls from then on
     #[arg(long)]
     pub changed: bool,
-    /// Goes on with a journal that may be somebody else's without asking: what it names is started, and written
+    /// Resume a journal that may be somebody else's without asking: it can start programs and write files
     #[arg(long)]
     pub foreign: bool,
-    /// Goes on with a copy of the trace in this file: two copies of a journal cannot write one
+    /// Continue the trace as a copy in this file, because two copies of a journal cannot write the same one
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub trace: Option<PathBuf>,
-    /// Keeps pace with the wall clock, or FACTOR times as fast; without, as the run did
+    /// Run in real time, or FACTOR times as fast (default: like the run)
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
     pub realtime: Option<f64>,
-    /// Writes one JSON object to standard output at the end
+    /// Print one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
-    /// Writes only what the plan prints, and failures
+    /// Print only the plan's own output, and failures
     #[arg(short, long)]
     pub quiet: bool,
 }

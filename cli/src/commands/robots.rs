@@ -15,13 +15,13 @@ const NAME_COLUMNS: usize = 16;
 /// Columns of what is told of a robot.
 const KEY_COLUMNS: usize = 10;
 
-/// Lists the robots, or shows one
+/// List the robots, or show one
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A built-in robot, or a .toml file
+    /// Built-in robot or .toml file
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::robots))]
     name: Option<String>,
-    /// Writes the robot's file instead, to start one's own from
+    /// Print the robot's file instead, as a start for one of your own
     #[arg(long, requires = "name")]
     toml: bool,
 }

@@ -37,30 +37,30 @@ use rpl_shell::terminal::console::Console;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Runs a plan
+/// Run a plan
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A plan file, a built-in example, or a project, by its `rpl.toml`; `-` for standard input; without it, what the
-    /// `rpl.toml` of this folder or above it names, in its world
+    /// Plan file, built-in example, or the `rpl.toml` of a project; `-` for standard input (default: the plan and world
+    /// of the nearest `rpl.toml`, in this folder or above)
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     pub file: Option<String>,
     #[command(flatten)]
     pub site: SiteArguments,
     #[command(flatten)]
     pub host: HostArguments,
-    /// Another first value for a variable of the plan
+    /// Set the initial value of a variable of the plan; can be repeated
     #[arg(long, value_name = "NAME=EXPR", add = ArgValueCompleter::new(completion::variables))]
     pub set: Vec<String>,
-    /// Stops at this time of the plan, such as 90s or 5min
+    /// Stop at this time of the plan, such as 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
-    /// Keeps pace with the wall clock, or FACTOR times as fast
+    /// Run in real time, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1", value_parser = parse_factor)]
     pub realtime: Option<f64>,
-    /// Steps all tasks may make in one instant before it counts as a runaway
+    /// Limit of the steps of all tasks in one instant; beyond it the plan fails as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
-    /// What the robot remembers of driving by cases: read at the start if it is there, written at the end
+    /// Case memory of the robot: read at the start if the file exists, written at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub cases: Option<PathBuf>,
     #[command(flatten)]
@@ -72,29 +72,27 @@ pub struct Arguments {
 /// What is written of a run.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Output {
-    /// Writes what happens as JSON Lines
+    /// Write the events of the run to this file, as JSON Lines
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub trace: Option<PathBuf>,
-    /// The trace also tells where the robot is, N times a second: its true pose, the estimate, and
-    /// how certain that is
+    /// Add the robot's true pose, its estimate and its certainty to the trace, N times a second
     #[arg(long, value_name = "N", requires = "trace", value_parser = parse_rate)]
     pub trace_poses: Option<f64>,
-    /// Writes a recording for ROS tools: map, frames, sensors, estimate, belief, commands, targets, log and events
+    /// Write a recording for ROS tools: map, frames, sensors, estimate, belief, commands, targets, log and events
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub mcap: Option<PathBuf>,
-    /// Writes one JSON object to standard output at the end
+    /// Print one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
-    /// Draws map, paths and belief as SVG and PNG into this folder
+    /// Draw map, paths and belief as SVG and PNG into this folder
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
-    /// The figures also show what was considered at each choice of active localization: occupancy, cost, entropy and pay-off
-    /// of all target points
+    /// Also draw each choice of active localization: occupancy, cost, entropy and pay-off of all target points
     #[arg(long, requires = "figures")]
     pub choices: bool,
     #[command(flatten)]
     pub live: LiveArguments,
-    /// Writes only what the plan prints, and failures
+    /// Print only the plan's own output, and failures
     #[arg(short, long)]
     pub quiet: bool,
 }

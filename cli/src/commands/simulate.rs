@@ -18,42 +18,42 @@ use rpl_shell::{interrupt, sites};
 use std::net::TcpListener;
 use std::time::Duration;
 
-/// Serves the simulated robot to a mission in another process (`rpl run --host`), in real time
+/// Serve the simulated robot to a mission in another process (`rpl run --host`), in real time
 ///
-/// The world waits until the first mission gives its first commands. Without commands for 0.3 s the robot
-/// stops, and so it does when the mission is gone; then another one can take over.
+/// The world waits for the first commands of the first mission. The robot stops when no commands come for
+/// 0.3 s, or when the mission disconnects. Then another mission can take over.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The world the robot is in: a built-in name, or a .toml file
+    /// World that the robot is in: a built-in name or a .toml file
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: String,
-    /// The robot: a built-in name, or a .toml file; `b21` without
+    /// Robot: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     pub robot: Option<String>,
-    /// What happens on the way: a plan with hands in the world
+    /// A scenario: a second plan that disturbs the world (turns the robot, closes doors, sends messages)
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     pub scenario: Option<String>,
     /// Seed of the noise of sensors and wheels, and of people
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Where missions connect; with port 0 the system chooses one, and the first line says which
+    /// Address where missions connect; with port 0 the system chooses one, and the first line says which
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:7300")]
     pub listen: String,
-    /// FACTOR times as fast as the clock
+    /// Run FACTOR times as fast as real time
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse_factor)]
     pub speed: f64,
-    /// Ends at this time of the world, such as 90s or 5min
+    /// Stop at this time of the world, such as 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub until: Option<u64>,
-    /// A mission that gives no commands for so long has lost the robot, such as one that stands at a prompt
+    /// Release the robot if a mission gives no commands for this time, for example at a stopped prompt
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = parse_patience_us)]
     pub patience: u64,
     #[command(flatten)]
     pub token: TokenArgument,
-    /// Ends when the first mission has gone
+    /// Exit when the first mission has disconnected
     #[arg(long)]
     pub once: bool,
-    /// Writes one JSON object to standard output at the end
+    /// Print one JSON object to standard output at the end
     #[arg(long)]
     pub json: bool,
 }

@@ -32,26 +32,25 @@ use std::time::Instant;
 /// Bytes at the beginning of a file that tell what it is.
 const BEGINNING_BYTES: u64 = 512;
 
-/// Shows a run that is over in a browser: from its trace, its report, its journal, or its recording; two traces or
-/// reports side by side
+/// Show a finished run in a browser, or two traces or reports side by side
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A trace (`rpl run --trace`), a report (`--report`), a journal's folder (`--journal`), or a recording (`--record`)
+    /// Trace (`rpl run --trace`), report (`--report`), folder of a journal (`--journal`), or recording (`--record`)
     #[arg(value_name = "FILE", value_hint = ValueHint::AnyPath)]
     pub file: PathBuf,
-    /// Another trace or report, to be shown beside it
+    /// Another trace or report, to show beside it
     #[arg(value_name = "OTHER", value_hint = ValueHint::FilePath)]
     pub other: Option<PathBuf>,
-    /// Where the page is served: [HOST][:PORT]; without, on this machine only
+    /// Address of the page: [HOST][:PORT] (default: localhost, this machine only)
     #[arg(long, value_name = "ADDRESS", default_value = "localhost", hide_default_value = true, value_hint = ValueHint::Hostname)]
     pub at: String,
-    /// Opens the page
+    /// Open the page in a browser
     #[arg(long)]
     pub open: bool,
-    /// The page also shows where the robot really was
+    /// Also show the robot's true pose
     #[arg(long)]
     pub truth: bool,
-    /// Writes the page as one HTML file instead of serving it
+    /// Write the page as one HTML file instead of serving it
     #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath, conflicts_with_all = ["at", "open"])]
     pub report: Option<PathBuf>,
 }

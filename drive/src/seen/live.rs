@@ -33,19 +33,19 @@ const NAP: Duration = Duration::from_millis(50);
 /// What is shown of a run in a browser.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct LiveArguments {
-    /// Shows the run in a browser while it goes on, and until Ctrl-C; ADDRESS is [HOST][:PORT], without it this machine only
+    /// Show the run in a browser until Ctrl-C; ADDRESS is [HOST][:PORT] (default: localhost, this machine only)
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "localhost", value_hint = ValueHint::Hostname)]
     pub live: Option<String>,
-    /// Opens the page
+    /// Open the page in a browser
     #[arg(long, requires = "live")]
     pub open: bool,
-    /// The page can also hold, step, pace and end the run
+    /// Let the page pause, step, pace and end the run
     #[arg(long, requires = "live")]
     pub control: bool,
-    /// The page, or the report, also shows where the robot really is, and what its map has not
+    /// Also show the robot's true pose, and what its map lacks, on the page or in the report
     #[arg(long)]
     pub truth: bool,
-    /// Writes the run as one HTML file that shows it without a server
+    /// Write the run as one HTML file that needs no server
     #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath)]
     pub report: Option<PathBuf>,
 }

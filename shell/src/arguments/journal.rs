@@ -7,13 +7,12 @@ use std::path::PathBuf;
 /// Whether a run is written down while it goes on.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct JournalArguments {
-    /// Writes the run down in this folder while it goes on, so that `rpl resume` can go on with it after a
-    /// crash
+    /// Record the run in this folder, so that `rpl resume` can resume it after a crash
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with = "record")]
     pub journal: Option<PathBuf>,
-    /// What a power cut may cost: nothing that was printed (`always`), what was printed within a second
-    /// (`second`), which is then printed again, or all of the run (`never`); a process that is killed loses
-    /// nothing in any case
+    /// What a power cut may cost: nothing that was printed (`always`), the output of the last second,
+    /// which is then printed again (`second`), or the whole run (`never`). If only the process is killed,
+    /// nothing is lost
     #[arg(
         long,
         value_name = "WHEN",
@@ -23,8 +22,8 @@ pub struct JournalArguments {
         hide_possible_values = true
     )]
     pub sync: SyncArgument,
-    /// Stops the run, with its clean-ups, when the journal cannot be written; without, the run goes on and
-    /// the journal is tried again
+    /// Stop the run, with its clean-ups, when the journal cannot be written (default: continue, and try
+    /// the journal again)
     #[arg(long, requires = "journal")]
     pub journal_must: bool,
 }

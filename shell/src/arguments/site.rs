@@ -22,38 +22,38 @@ use std::thread;
 /// Arguments that say where a plan runs.
 #[derive(clap::Args, Clone, Debug)]
 pub struct SiteArguments {
-    /// The world the robot is in: a built-in name, or a .toml file; `arena` is drawn from the seed
+    /// World that the robot is in: a built-in name, a .toml file, or a ROS map; `arena` is drawn from the seed
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     pub world: Option<String>,
-    /// The robot: a built-in name, or a .toml file (default: b21)
+    /// Robot: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     pub robot: Option<String>,
-    /// What the robot knows of the world: what is mapped there (`world`, the default), or nothing (`none`)
+    /// Map that the robot has: that of the world (`world`, the default), or no map (`none`)
     #[arg(long, value_name = "M", value_enum, hide_possible_values = true)]
     pub map: Option<MapArgument>,
-    /// How fine the grid of the robot's belief is: 15 cm and 2° (`fine`, the default), or, for larger worlds,
-    /// 30 cm and 6° (`coarse`)
+    /// Cell size of the robot's belief: 15 cm and 2° (`fine`, the default), or, for larger worlds, 30 cm and 6°
+    /// (`coarse`)
     #[arg(long, value_name = "G", value_enum, hide_possible_values = true)]
     pub grid: Option<GridArgument>,
     #[arg(long, value_name = "GIB", help = memory_help(), value_parser = positive)]
-    /// The memory that the map and the belief of a world may take, in GiB
+    /// Memory limit for the map and the belief of a world, in GiB
     pub memory: Option<f64>,
     /// Seed of every random stream (default: 1)
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// A module in another process, by its manifest; once for each
+    /// Manifest of a module in another process; can be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub module: Vec<String>,
     /// Whether they were named elsewhere than on the command line, so that it is told what is started.
     #[arg(skip)]
     pub tells_modules: bool,
-    /// What happens on the way: a plan with hands in the world, such as (rotate-robot! 180deg)
+    /// A scenario: a second plan that disturbs the world (turns the robot, closes doors, sends messages)
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(completion::scenarios))]
     pub scenario: Option<String>,
 }
 
 fn memory_help() -> String {
-    format!("The memory that the map and the belief of a world may take, in GiB (default: {MEMORY_GIB})")
+    format!("Memory limit for the map and the belief of a world, in GiB (default: {MEMORY_GIB})")
 }
 
 /// What the robot knows of the world.

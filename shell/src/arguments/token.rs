@@ -10,8 +10,8 @@ use std::path::PathBuf;
 /// Where the token stands: not on the command line, which everybody on the machine can see.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct TokenArgument {
-    /// The file with the token that the mission and the host both know, one line of 16 characters or more; a host that
-    /// has one serves nobody else
+    /// File with the token shared by mission and host, one line of at least 16 characters; a host with a token refuses
+    /// all other clients
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub token_file: Option<PathBuf>,
 }

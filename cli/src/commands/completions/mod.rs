@@ -11,14 +11,14 @@ use shell_words::{Bash, Quoting};
 use std::env;
 use std::path::Path;
 
-/// Writes what makes a shell complete the words of this command
+/// Print the completion script for a shell
 ///
-/// The shell then asks this program, which knows its worlds, plans, experiments, rows and names. Best
-/// read by the shell when it starts: `source <(rpl completions bash)` in ~/.bashrc, the same with `zsh`
-/// in ~/.zshrc, `rpl completions fish | source` in ~/.config/fish/config.fish.
+/// With it the shell completes commands, options, worlds, plans, experiments, rows and names. Load it when the
+/// shell starts: `source <(rpl completions bash)` in ~/.bashrc, the same with `zsh` in ~/.zshrc,
+/// `rpl completions fish | source` in ~/.config/fish/config.fish.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// The shell
+    /// Shell
     shell: Shell,
 }
 

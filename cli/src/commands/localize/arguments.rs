@@ -11,67 +11,67 @@ use std::path::PathBuf;
 /// Windows, if nobody says how many.
 pub const WINDOWS: usize = 20;
 
-/// Finds the robot in a recorded drive, and says how well
+/// Localize the robot in a recorded drive, and report how well
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A map of the ROS map_server: its YAML file, or a folder with a map.yaml
+    /// Map of the ROS map_server: its YAML file, or a folder with a map.yaml
     #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
     pub map: PathBuf,
-    /// A CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses, also packed as .gz; or an MCAP recording
-    /// with /scan, /odom, and /ground_truth or /pose
+    /// CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses, also as .gz; or an MCAP recording with
+    /// /scan, /odom, and /ground_truth or /pose
     #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
     pub log: PathBuf,
-    /// How many beams of each scan are used, equally spaced
+    /// Number of beams used of each scan, equally spaced
     #[arg(long, value_name = "N", default_value_t = 24)]
     pub beams: usize,
-    /// How many windows, their starts spread over the drive [default: 20; with --from-truth one, the
-    /// whole drive]
+    /// Number of windows, with starts spread over the drive (default: 20; with --from-truth one, the
+    /// whole drive)
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub windows: Option<u32>,
     /// Length of a window, in metres
     #[arg(long, value_name = "M", default_value_t = 25.0, value_parser = positive)]
     pub window_length: f64,
-    /// Where the first window starts, as a share of the way to the second one; other windows for
+    /// Start of the first window, as a share of the distance to the second one; use other windows for
     /// tuning than for reporting
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
     pub phase: f64,
-    /// How many times the windows are run, each time with starts shifted by an N-th of the way from one to
-    /// the next, going round from --phase; windows of different phases overlap
+    /// Run the windows N times, each time with starts shifted by an N-th of the distance between two starts, from
+    /// --phase on; windows of different phases overlap
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub phases: u32,
-    /// Nothing is known at the start of a window; this is the default
+    /// Start each window without knowledge of the pose (default)
     #[arg(long, conflicts_with = "from_truth")]
     pub uniform: bool,
-    /// The corrected pose is known at the start: how well a position is tracked
+    /// Start at the corrected pose, to measure how well a position is tracked
     #[arg(long)]
     pub from_truth: bool,
-    /// Compares N scans, evenly spread over the drive, each alone with the whole map [default: 200]
+    /// Localize by single scans: compare N scans, evenly spread over the drive, with the whole map (default: 200)
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "200",
         value_parser = clap::value_parser!(u32).range(1..=1_000_000),
         conflicts_with_all = ["windows", "phases", "phase", "window_length", "from_truth", "uniform", "fit", "figures"])]
     pub once: Option<u32>,
-    /// What the laser of FLASER messages sees, in degrees
+    /// Field of view of the laser of FLASER messages, in degrees
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = angle)]
     pub field_of_view: f64,
-    /// At which end of a FLASER message its first reading is
+    /// Side of the first reading of a FLASER message
     #[arg(long, value_name = "END", value_enum, default_value_t = End::Right)]
     pub first_reading: End,
-    /// Where the laser is mounted: metres to the front and to the left, degrees to the left
+    /// Place of the laser on the robot: metres to the front and to the left, degrees to the left
     #[arg(long, value_name = "X,Y,DEG", default_value = "0,0,0", value_parser = mount, allow_hyphen_values = true)]
     pub mount: Pose,
-    /// Parameters of the filter, a file that --fit has written
+    /// File with the parameters of the filter, from --fit
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub parameters: Option<PathBuf>,
-    /// Fits sensor and odometry to the drive and writes the parameters into this file
+    /// Fit the sensor and odometry models to the drive and write the parameters to this file
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["figures", "json", "from_truth", "uniform"])]
     pub fit: Option<PathBuf>,
-    /// Draws map and paths, the errors over the way, and what the certainty is worth, into this folder
+    /// Draw map and paths, the errors over the way, and the calibration of the certainty into this folder
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub figures: Option<PathBuf>,
-    /// Writes the results as JSON
+    /// Print the results as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// The memory that tables and belief may take, in GiB
+    /// Memory limit for tables and belief, in GiB
     #[arg(long, value_name = "GIB", default_value_t = 4.0, value_parser = positive)]
     pub memory: f64,
 }
@@ -79,9 +79,9 @@ pub struct Arguments {
 /// An end of a scan.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The right one.
+    /// On the right
     Right,
-    /// The left one.
+    /// On the left
     Left,
 }
 

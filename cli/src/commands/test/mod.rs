@@ -37,38 +37,38 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Runs the tests in plans
+/// Run the tests in plans
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// Plan files with `deftest` forms, folders with plans, or a project, by its `rpl.toml`; `-` for standard input;
-    /// without any, those of the folder of the nearest `rpl.toml`, in its world
+    /// Plan files with `deftest` forms, folders with plans, or the `rpl.toml` of a project; `-` for standard input
+    /// (default: the plans and the world of the nearest `rpl.toml`, in this folder or above)
     #[arg(value_name = "FILE", add = ArgValueCompleter::new(completion::plans))]
     files: Vec<String>,
-    /// Runs only the tests whose name contains this
+    /// Run only the tests whose name contains this text
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
-    /// The world of the tests that name none
+    /// World of the tests that name none
     #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds))]
     world: Option<String>,
-    /// The robot: a built-in name, or a .toml file; `b21` without
+    /// Robot: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
-    /// A module in another process, by its manifest, for the tests in a world; once for each
+    /// Manifest of a module in another process, for the tests in a world; can be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     module: Vec<String>,
     /// Whether they were named elsewhere than on the command line, so that it is told what is started.
     #[arg(skip)]
     tells_modules: bool,
-    /// The seed of the tests that name none; 1 without
+    /// Seed of the tests that name none (default: 1)
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// When the tests that say nothing else must have ended, in the time of the plan
+    /// Time limit of the tests that name none, in the plan's time
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us, default_value = "1h")]
     until: u64,
-    /// Writes one JSON object to standard output instead
+    /// Print one JSON object to standard output instead
     #[arg(long)]
     json: bool,
-    /// Writes the report as JUnit XML into a file too
+    /// Also write a report to this file, as JUnit XML
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     junit: Option<PathBuf>,
 }

@@ -7,16 +7,16 @@ use rpl_shell::arguments::duration::parse_duration_us;
 /// What an event must fulfil; all of it.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Filter {
-    /// Only a task and what is below it, by its path or a part of it
+    /// Show only a task and those below it, by its path or a part of the path
     #[arg(long, value_name = "PATH")]
     pub task: Option<String>,
-    /// Only changes of a fluent, and who waits for it
+    /// Show only changes of a fluent, and tasks that wait for it
     #[arg(long, value_name = "NAME")]
     pub fluent: Option<String>,
-    /// Only from this time on, such as 12.5s
+    /// Show only events from this time on, such as 12.5s
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub from: Option<u64>,
-    /// Only up to this time
+    /// Show only events up to this time
     #[arg(long, value_name = "TIME", value_parser = parse_duration_us)]
     pub to: Option<u64>,
 }

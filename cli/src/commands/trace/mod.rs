@@ -18,27 +18,27 @@ use rpl_shell::terminal::console::Console;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-/// Shows a recorded run: its events, why a task waited or failed, what differs from another.
+/// Show a recorded run: its events, why a task waited or failed, how it differs from another
 ///
-/// `rpl run FILE --trace T` records one.
+/// `rpl run FILE --trace T` records a run.
 #[derive(clap::Args, Clone, Debug)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
-    /// A trace that `rpl run --trace FILE` wrote; `-` for standard input
+    /// Trace from `rpl run --trace FILE`; `-` for standard input
     #[arg(value_name = "FILE", required = true, value_hint = ValueHint::FilePath)]
     file: Option<String>,
     #[command(flatten)]
     filter: Filter,
-    /// Only the last N of these events
+    /// Show only the last N of the selected events
     #[arg(short = 'n', long, value_name = "N")]
     last: Option<usize>,
-    /// Instead of events: why a task waits, at the end or at the time --to, or how it ended
+    /// Instead of events, explain why a task waits, at the end or at the time --to, or how it ended
     #[arg(long, value_name = "PATH", conflicts_with_all = ["task", "fluent", "from", "last", "json"])]
     why: Option<String>,
-    /// The events as they stand in the file
+    /// Print the events as they are in the file
     #[arg(long)]
     json: bool,
-    /// Instead of events: draws the paths of the robot into this folder, from the poses in the trace
+    /// Instead of events, draw the paths of the robot into this folder, from the poses in the trace
     #[arg(long, value_name = "DIR", conflicts_with_all = ["task", "fluent", "last", "json", "why"])]
     figures: Option<PathBuf>,
     #[command(subcommand)]
@@ -47,12 +47,12 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand, Clone, Debug)]
 enum TraceCommand {
-    /// Names the first event that differs. Exit status: 0 the same, 1 they differ, 2 trouble
+    /// Show the first event that differs. Exit status: 0 same, 1 different, 2 trouble
     Diff {
-        /// A trace
+        /// Trace
         #[arg(value_name = "A", value_hint = ValueHint::FilePath)]
         left: String,
-        /// Another
+        /// Trace to compare it with
         #[arg(value_name = "B", value_hint = ValueHint::FilePath)]
         right: String,
     },

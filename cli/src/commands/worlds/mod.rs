@@ -32,30 +32,30 @@ const MOST_PIXELS: f64 = 67e6;
 /// Columns of the names in the list.
 const NAME_COLUMNS: usize = 16;
 
-/// Lists the worlds, or shows one
+/// List the worlds, or show one
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
-    /// A built-in world, or a .toml file
+    /// Built-in world, .toml file, or ROS map
     #[arg(value_name = "NAME", add = ArgValueCompleter::new(completion::worlds))]
     name: Option<String>,
-    /// The robot that is to drive there: a built-in name, or a .toml file; `b21` without
+    /// Robot that will drive there: a built-in name or a .toml file (default: b21)
     #[arg(long, value_name = "R", requires = "name", add = ArgValueCompleter::new(completion::robots))]
     robot: Option<String>,
     /// Seed of an arena
     #[arg(long, value_name = "N", requires = "name", default_value_t = 1)]
     seed: u64,
-    /// Writes the world file, for `--world`
+    /// Write the world to this file, for `--world`
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     toml: Option<PathBuf>,
-    /// Draws the robot's map of the world into this file
+    /// Draw the robot's map of the world into this file, as SVG
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     svg: Option<PathBuf>,
-    /// Writes the robot's map of the world for ROS into this folder: `map.yaml` and `map.pgm`, 5 cm a cell
+    /// Write the robot's map of the world for ROS into this folder: `map.yaml` and `map.pgm`, 5 cm a cell
     #[arg(long, value_name = "FOLDER", requires = "name", value_hint = ValueHint::DirPath)]
     map: Option<PathBuf>,
-    /// The world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in
-    /// the map, green in the map but not there, blue people on their paths, red the robot; markers and landmarks
-    /// have their colours
+    /// Draw the world as an image, 5 cm a pixel: black is occupied, grey unknown, orange there but not in the
+    /// map, green in the map but not there, blue people on their paths, red the robot; markers and landmarks have
+    /// their own colours
     #[arg(long, value_name = "FILE", requires = "name", value_hint = ValueHint::FilePath)]
     png: Option<PathBuf>,
 }
