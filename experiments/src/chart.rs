@@ -81,7 +81,7 @@ impl Axes {
         };
         for value in ticks(self.x_max) {
             document = document.add(self.line((value, 0.0), (value, self.y_max), palette::GRID)).add(centred(
-                &label(value),
+                &axis_label(value),
                 self.x(value),
                 bottom + 18.0,
                 SMALL_PX,
@@ -89,7 +89,7 @@ impl Axes {
         }
         for value in ticks(self.y_max) {
             document = document.add(self.line((0.0, value), (self.x_max, value), palette::GRID)).add(ending(
-                &label(value),
+                &axis_label(value),
                 LEFT - 8.0,
                 self.y(value) + 4.0,
                 SMALL_PX,
@@ -103,7 +103,8 @@ impl Axes {
     }
 }
 
-fn label(value: f64) -> String {
+/// A number at an axis.
+pub fn axis_label(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
@@ -177,7 +178,10 @@ pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
             let (low, high) = share.interval_95;
             CurvePoint { time_s: at_s, value: share.rate.unwrap_or(0.0), low, high }
         };
-        (0..=POINTS).map(point).collect()
+        let points: Vec<CurvePoint> = (0..=POINTS).map(point).collect();
+        // A run succeeds at a moment: between two the share stays what it was.
+        let steps = points.windows(2).flat_map(|pair| [CurvePoint { time_s: pair[1].time_s, ..pair[0] }, pair[1]]);
+        points.first().copied().into_iter().chain(steps).collect()
     };
     let lines: Vec<Curve<'_>> = rows.iter().map(|(name, row)| Curve { name, points: line(row) }).collect();
     over_time("Runs that have succeeded, with 95 % interval", "share of the runs", 1.0, &lines)
@@ -212,7 +216,8 @@ pub fn over_time(title: &str, up: &str, least: f64, lines: &[Curve<'_>]) -> Stri
 /// Lines differ in colour and, for who prints in grey, in their dashes.
 const DASHES: [&str; 6] = ["none", "9 4", "2.5 3", "9 3 2 3", "14 4", "5 2"];
 
-fn series(number: usize) -> &'static str {
+/// The colour of a line or a row, by its number.
+pub fn series(number: usize) -> &'static str {
     SERIES[number % SERIES.len()]
 }
 

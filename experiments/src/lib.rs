@@ -11,7 +11,7 @@
 //! Read in this order:
 //!
 //! - `kind`, `any_kind`, `seeds`, `part`, `runs_file`, `conduct`, `findings`, `request`: how experiments are done;
-//! - `statistics`, `numbers`, `samples`, `reliability`, `over_time`, `failed_runs`, `chart`: figures made of their
+//! - `statistics`, `numbers`, `samples`, `reliability`, `over_time`, `failed_runs`, `chart`, `means_chart`: figures made of their
 //!   records;
 //! - `quantity`, `trial`, `row_result`, `missions`, `calibration`, `day`: missions over seeds;
 //! - `variants`: a plan of one's own, and variants of it beside each other;
@@ -38,6 +38,7 @@ mod foresight;
 mod grains;
 mod instructions;
 mod kind;
+mod means_chart;
 mod missions;
 mod numbers;
 pub mod one_scan;

@@ -49,6 +49,16 @@ impl Verb {
     }
 }
 
+/// What the commands of the prompt are for, with the first of each kind, in the order of the help.
+const GROUPS: &[(&str, Verb)] = &[
+    ("Running", Verb::Load),
+    ("Stepping", Verb::Step),
+    ("Going back", Verb::Back),
+    ("Looking", Verb::Why),
+    ("Texts", Verb::Doc),
+    ("The prompt", Verb::Help),
+];
+
 /// A command as the help shows it.
 #[derive(Debug, PartialEq, Eq)]
 pub struct CommandEntry {
@@ -398,10 +408,13 @@ pub fn parse(line: &str) -> Result<(Verb, &str), String> {
 /// The list that `:help` shows.
 pub fn help() -> Vec<String> {
     let short = |entry: &&CommandEntry| entry.usage().chars().count() <= 18;
-    let width = COMMANDS.iter().filter(short).map(|entry| entry.usage().chars().count()).max().unwrap_or(0);
+    let width = COMMANDS.iter().filter(short).map(|entry| entry.usage().chars().count()).max().unwrap_or(0) + 2;
     let mut lines = Vec::new();
     for entry in COMMANDS {
-        let usage = entry.usage();
+        if let Some((group, _)) = GROUPS.iter().find(|(_, first)| *first == entry.verb) {
+            lines.push((*group).to_string());
+        }
+        let usage = format!("  {}", entry.usage());
         if usage.chars().count() > width {
             lines.push(usage);
             lines.push(format!("{:width$}  {}", "", entry.doc));

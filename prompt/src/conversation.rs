@@ -42,7 +42,7 @@ impl Prompt<'_> {
             };
             let text = match (text.trim(), &self.repeated) {
                 ("", Some(repeated)) => repeated.clone(),
-                _ => text,
+                (word, _) => self.meant_by(word).map_or(text, str::to_string),
             };
             self.console.keep(self.clock.is_some());
             let _gives_back = interrupt::gives_prompt_back();
@@ -54,6 +54,18 @@ impl Prompt<'_> {
         // Somebody was there to see what went wrong.
         self.worst = Status::Succeeded;
         Ok(())
+    }
+
+    /// The command that is meant by a word of other prompts, unless the session gives the word a meaning.
+    fn meant_by(&self, word: &str) -> Option<&'static str> {
+        let command = match word {
+            "help" | "?" => ":help",
+            "exit" | "quit" => ":quit",
+            _ => return None,
+        };
+        let system = &self.session.branch.system;
+        let is_defined = system.machine.symbols.find(word).is_some_and(|name| system.program.names.contains_key(&name));
+        (!is_defined).then_some(command)
     }
 
     /// The next line; until it is there the run goes on if the clock does.

@@ -11,7 +11,7 @@ use rpl_shell::terminal::layout::terminal_size;
 use rustyline::completion::Completer;
 use rustyline::error::ReadlineError;
 use rustyline::highlight::{CmdKind, Highlighter};
-use rustyline::hint::Hinter;
+use rustyline::hint::{Hint, Hinter};
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
 use rustyline::{
@@ -63,6 +63,7 @@ impl LineEditor {
             .max_history_size(HISTORY)?
             .auto_add_history(true)
             .completion_type(CompletionType::List)
+            .completion_show_all_if_ambiguous(true)
             // Marks are shown without colours too.
             .color_mode(ColorMode::Forced)
             .build();
@@ -165,10 +166,23 @@ impl Completer for Assistant {
     }
 }
 
-impl Hinter for Assistant {
-    type Hint = String;
+/// What is shown behind a line: nothing of it is to be typed.
+struct Signature(String);
 
-    fn hint(&self, line: &str, end: usize, _: &Context<'_>) -> Option<String> {
+impl Hint for Signature {
+    fn display(&self) -> &str {
+        &self.0
+    }
+
+    fn completion(&self) -> Option<&str> {
+        None
+    }
+}
+
+impl Hinter for Assistant {
+    type Hint = Signature;
+
+    fn hint(&self, line: &str, end: usize, _: &Context<'_>) -> Option<Signature> {
         self.is_empty.set(line.is_empty());
         if end < line.len() {
             return None;
@@ -177,7 +191,7 @@ impl Hinter for Assistant {
         // What does not fit beside the line would move it.
         let column = PROMPT_WIDTH + line.lines().last().unwrap_or_default().chars().count() + MARGIN.len();
         let room = terminal_size().0.saturating_sub(column + 1);
-        Some(format!("{MARGIN}{}", ::console::truncate_str(hint, room, "…"))).filter(|_| room >= LEAST_HINT)
+        (room >= LEAST_HINT).then(|| Signature(format!("{MARGIN}{}", ::console::truncate_str(hint, room, "…"))))
     }
 }
 

@@ -6,6 +6,8 @@ use anyhow::Result;
 use rpl_drive::stopping::breakpoint;
 use rpl_drive::stopping::breakpoint::FAILURE;
 use rpl_lang::code::GlobalKind;
+use rpl_lang::lexer::{Token, lex};
+use rpl_lang::source::SourceId;
 use rpl_mission::examples;
 use rpl_mission::reference::{self, Reference};
 use std::collections::{BTreeMap, BTreeSet};
@@ -137,7 +139,11 @@ impl Vocabulary {
             Some(Verb::Until) if !typed.contains('(') => fitting(self.stops.iter().map(String::as_str), &word),
             Some(Verb::Back) => fitting([FAILURE].into_iter(), &word),
             _ if word.starts_with(':') => fitting(library.keywords.iter().map(String::as_str), &word),
-            _ if before.ends_with('\'') => fitting(self.places.iter().map(String::as_str).chain(names), &word),
+            // Behind a quote a place is meant, and only where none fits any other name.
+            _ if before.ends_with('\'') => match fitting(self.places.iter().map(String::as_str), &word) {
+                places if places.is_empty() => fitting(names, &word),
+                places => places,
+            },
             _ => fitting(names, &word),
         };
         (start, found)
@@ -155,11 +161,32 @@ fn word_start(text: &str) -> usize {
     text.rfind(is_border).map_or(0, |at| at + text[at..].chars().next().map_or(1, char::len_utf8))
 }
 
-/// The name that is being called, when a space has just been typed behind it.
+/// The name that is being called where a text ends: the first word of the innermost list that is open there, once
+/// something stands behind it. None within what is quoted, or within a string.
 pub fn called(text: &str) -> Option<&str> {
-    let text = text.strip_suffix(' ')?;
-    let start = word_start(text);
-    text[..start].ends_with('(').then(|| &text[start..])
+    let (tokens, _) = lex(text, SourceId(0));
+    // What stands in front of the next list, and each open list: whether it is quoted, and its first word.
+    let mut is_quoted = false;
+    let mut open: Vec<(bool, Option<&str>)> = Vec::new();
+    for (token, span) in tokens {
+        let word = text.get(span.start as usize..span.end as usize)?;
+        match token {
+            Token::Unterminated => return None,
+            Token::Open => open.push((is_quoted || open.last().is_some_and(|(is_quoted, _)| *is_quoted), None)),
+            Token::Close => drop(open.pop()),
+            Token::LineComment | Token::BlockComment | Token::DatumComment => continue,
+            _ => {
+                if let Some((_, first @ None)) = open.last_mut() {
+                    *first = Some(word);
+                }
+            }
+        }
+        is_quoted = matches!(token, Token::Prefix(_)) && matches!(word, "'" | "`");
+    }
+    let (is_quoted, first) = open.last()?;
+    // A word behind its parenthesis is still being typed.
+    let is_typed = |word: &&str| text.strip_suffix(*word).is_some_and(|before| before.ends_with('('));
+    first.filter(|word| !is_quoted && !is_typed(word))
 }
 
 /// Plan files and folders that a path may go on to, and the built-in examples.
@@ -217,6 +244,8 @@ mod tests {
             (":source wheneve", "whenever"),
             (":edit gre", "greet"),
             ("(go-to 'mail", "mail-slots"),
+            ("(go-to '", "mail-slots"),
+            ("(describe 'wheneve", "whenever"),
             ("(run-behaviour gripper :gras", ":grasp"),
             (":step (gre", "greet"),
             ("(def-pla", "def-plan"),
@@ -234,7 +263,13 @@ mod tests {
     #[test]
     fn what_is_called_is_the_name_behind_the_parenthesis() {
         assert_eq!(called("(print (wait-for "), Some("wait-for"));
-        assert_eq!(called("(print who "), None);
+        // Through all arguments, and again behind an inner list.
+        assert_eq!(called("(print who "), Some("print"));
+        assert_eq!(called("(deliver 'mail 'a (list 1 2) "), Some("deliver"));
+        assert_eq!(called("(go-to 'mail"), Some("go-to"));
         assert_eq!(called("(print"), None);
+        assert_eq!(called("(print 1) "), None);
+        assert_eq!(called("(dolist (x '(a b"), None);
+        assert_eq!(called("(print \"so (far "), None);
     }
 }

@@ -137,10 +137,12 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     for (name, text) in files.into_iter().zip(texts) {
         match text {
             Ok(plan) => {
-                let role = if arguments.scenario { Role::Scenario } else { roles.role(&plan.name) };
+                let said = arguments.scenario.then_some(Role::Scenario);
+                let role = said.clone().unwrap_or_else(|| roles.role(&plan.name));
                 let (findings, program) = findings(sites.of_role(&role), &plan, places.as_ref());
                 if !arguments.json {
-                    tell(&plan.name, &role, &findings, &program, console)?;
+                    let found_out = if said.is_none() { &role } else { &Role::Plan };
+                    tell(&plan.name, found_out, &findings, &program, console)?;
                 }
                 report.add(FileRecord::found(&plan.name, &findings, &program.sources));
             }

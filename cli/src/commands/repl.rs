@@ -149,12 +149,19 @@ fn with_journal(
     console: &mut Console,
 ) -> Result<Status> {
     let shown = path.shown();
-    must_have_no_host_or_module(arguments)?;
+    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
+        bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
+    }
     if journal::is_there(path) {
         return go_on_with(path, arguments, command_line, console);
     }
-    let arguments = &in_project(arguments, stops_at_start, console)?;
-    must_have_no_host_or_module(arguments)?;
+    let mut arguments = in_project(arguments, stops_at_start, console)?;
+    if !arguments.site.module.is_empty() {
+        console
+            .note("the modules of the project are left out: a session with a module in another process has no journal");
+        arguments.site.module.clear();
+    }
+    let arguments = &arguments;
     let (site, world, _) = arguments.site.build(ModuleVoices::Processes(GoingBack::Session))?;
     let plan = first_plan(arguments)?;
     let recorded = recorded(arguments, plan.as_ref(), world.as_ref(), stops_at_start)?;
@@ -176,13 +183,6 @@ fn with_journal(
     };
     console.note(&format!("what is typed is written to `{shown}`; `rpl repl --journal {shown}` goes on with it"));
     rpl_prompt::run(&site, opening, console)
-}
-
-fn must_have_no_host_or_module(arguments: &Arguments) -> Result<()> {
-    if arguments.host.host.is_some() || !arguments.site.module.is_empty() {
-        bail!("a session with a host or a module in another process has no journal; `--record FILE` writes it down");
-    }
-    Ok(())
 }
 
 /// The prompt stands where the session of a journal stood, and goes on.

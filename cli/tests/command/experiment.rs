@@ -139,7 +139,7 @@ fn an_experiment_file_has_variants_with_plans_of_their_own() {
         (text.replace("runs", "rums"), "unknown field `rums`"),
         (text.replace("1min", "soon"), "until = \"soon\": a time such as 90s"),
         (text.replace("\"fast\"\nplan", "\"slow\"\nplan"), "two variants are called `slow`"),
-        (text.replace("pause", "paws"), "the plan has no variable `paws` to set; did you mean `pause`?"),
+        (text.replace("pause", "pauze"), "the plan has no variable `pauze` to set; did you mean `pause`?"),
     ] {
         let file = put(&folder, "wrong.toml", &wrong);
         let found = run(&["experiment", &file]);

@@ -51,7 +51,7 @@ fn nothing_that_is_there_is_overwritten() {
 #[test]
 fn a_project_holds_for_a_plan_that_is_named_and_each_option_for_itself() {
     let folder = folder("project-named");
-    let text = "(defvar far 1) (print (list (robot-pose) far)) (at-destination? 'corner)";
+    let text = "(defvar far 1) (print (list 'far far)) (at-destination? 'corner)";
     put(&folder, "main.rpl", text);
     put(&folder, "other.rpl", text);
     put(&folder, "rpl.toml", "plan = \"main.rpl\"\nworld = \"test-room\"\nrobot = \"turtlebot\"\nset = { far = 5 }\n");
@@ -85,8 +85,8 @@ fn a_project_holds_for_a_plan_that_is_named_and_each_option_for_itself() {
 fn scenarios_and_plans_of_modules_in_a_project_are_no_plans() {
     let folder = folder("project-roles");
     put(&folder, "rpl.toml", "world = \"test-room\"\nscenarios = [\"night.rpl\"]\nmodules = [\"nose.toml\"]\n");
-    let manifest =
-        "name = \"nose\"\ndoc = \"Smells.\"\ncommand = [\"false\"]\nvalves = [\"nose\"]\nplans = \"nose.rpl\"\n";
+    let manifest = "name = \"nose\"\ndoc = \"Smells.\"\ncommand = [\"false\"]\nvalves = [\"nose\"]\nplans = \"nose.rpl\"\n\
+                    [[fluent]]\nname = \"gas*\"\ndoc = \"Gas.\"\ntype = \"number\"\n";
     put(&folder, "nose.toml", manifest);
     put(&folder, "nose.rpl", "(def-plan sniff-room () \"Smells.\" (with-valve wheels (print 'snuff)))\n");
     put(&folder, "night.rpl", "(wait-time 1) (close-door! 'bath)\n");

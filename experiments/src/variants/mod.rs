@@ -6,6 +6,7 @@ mod variant;
 
 use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
+use super::means_chart::means;
 use super::missions::{Mission, over_time, remembering, results, status, whether_measured};
 use super::over_time::OverTime;
 use super::request::ExperimentRequest;
@@ -158,7 +159,10 @@ impl ExperimentKind for Variants {
         let stems: Vec<String> = names.iter().map(|name| stem(name)).collect();
         let rows: Vec<(&str, &OverTime)> =
             stems.iter().map(String::as_str).zip(tallies.iter().map(|tally| &tally.row.over_time)).collect();
-        let drawings = if wants_drawings { over_time(&rows) } else { Vec::new() };
+        let mut drawings = if wants_drawings { over_time(&rows) } else { Vec::new() };
+        if wants_drawings {
+            drawings.extend(means(&results).map(|chart| ("measures.svg".to_string(), chart)));
+        }
         let status = match &tallies[..] {
             [only] => status(&only.row),
             all => whether_measured(all.iter().map(|tally| &tally.row)),

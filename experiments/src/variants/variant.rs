@@ -56,7 +56,9 @@ impl Variant {
         }
         let Some(wanted) = &request.row else { return Ok(all) };
         if all.len() == 1 {
-            bail!("`--row {wanted}` is for experiments of several rows, and this one has one");
+            bail!(
+                "`--row {wanted}` is for experiments of several rows; a plan of your own has one row, unless it is varied"
+            );
         }
         let names: Vec<&str> = all.iter().map(|variant| variant.name.as_str()).collect();
         let unknown = request.no_row(wanted, &names);
