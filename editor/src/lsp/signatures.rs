@@ -2,6 +2,7 @@
 
 use super::completion::keywords_of;
 use super::session::{Answer, Session};
+use crate::outline::Outline;
 use lsp_types::{
     Documentation, MarkupContent, MarkupKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureHelpParams,
     SignatureInformation,
@@ -20,8 +21,7 @@ pub(super) fn help(session: &mut Session<'_>, params: SignatureHelpParams) -> An
     let Some(known) = outline.head(&document.text, opener).and_then(|head| analysis.describe(head)) else {
         return Ok(None);
     };
-    // What ends before the place has been given.
-    let given: Vec<usize> = outline.items(opener).skip(1).filter(|&at| end(&outline, at) < byte).collect();
+    let given = given(&outline, opener, byte);
     let keyword = given.last().map(|&at| outline.lexemes[at]).filter(|lexeme| lexeme.token == Token::Keyword);
     let keyword = keyword.map(|lexeme| read_name(&document.text[lexeme.start..lexeme.end]).into_owned());
     let parts = parts(&known.signature);
@@ -44,7 +44,13 @@ pub(super) fn help(session: &mut Session<'_>, params: SignatureHelpParams) -> An
     Ok(Some(SignatureHelp { signatures: vec![signature], active_signature: Some(0), active_parameter }))
 }
 
-fn end(outline: &crate::outline::Outline, at: usize) -> usize {
+/// What has been given to the form of a list before a place. A mark such as a quote is part of what stands behind it.
+fn given(outline: &Outline, opener: usize, byte: usize) -> Vec<usize> {
+    let is_mark = |&at: &usize| matches!(outline.lexemes[at].token, Token::Prefix(_));
+    outline.items(opener).skip(1).filter(|at| !is_mark(at) && end(outline, *at) < byte).collect()
+}
+
+fn end(outline: &Outline, at: usize) -> usize {
     match outline.lexemes[at].token {
         Token::Open => outline.list(at).end,
         _ => outline.lexemes[at].end,
@@ -104,6 +110,12 @@ mod tests {
         assert_eq!(active(signature, &parts, 0, None), Some(0));
         assert_eq!(active(signature, &parts, 2, Some(":timeout")), Some(1));
         assert_eq!(active(signature, &parts, 3, None), None);
+    }
+
+    #[test]
+    fn what_is_quoted_is_given_once() {
+        let text = "(deliver 'mail '(a b) #'car ";
+        assert_eq!(given(&Outline::of(text), 0, text.len()).len(), 3);
     }
 
     #[test]

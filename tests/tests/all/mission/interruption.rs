@@ -122,6 +122,7 @@ fn the_trace_of_the_interrupted_delivery() {
         | EventKind::Swapped
         | EventKind::Decided
         | EventKind::Log
+        | EventKind::Measured
         | EventKind::Warning => false,
     };
     let events: Vec<Event> = rotated().events.iter().filter(told).cloned().collect();
