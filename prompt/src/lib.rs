@@ -9,7 +9,7 @@
 //!
 //! - `session` and `runner`: a run, its history, its forks; going on with it;
 //! - `command` (the table of the commands) and `forms` (texts handed in);
-//! - `steering`, `standpoint`, `timing`: going on; `past`: going back; `projecting`: looking ahead;
+//! - `steering`, `standpoint`, `timing`: going on; `past`: going back; `projecting`, `future`: looking ahead;
 //! - `inspection`, `present`, `listings`: looking; `documenting`, `definitions`, `writing`, `external_editor`: texts;
 //! - `vocabulary`, `margins`, `line_editor`, `line_thread`, `live_prompt`, `clock`, `conversation`: a person at a
 //!   terminal;
@@ -25,6 +25,7 @@ mod documenting;
 mod external_editor;
 mod faults;
 mod forms;
+mod future;
 mod guard;
 mod inspection;
 mod intervention;

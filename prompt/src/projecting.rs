@@ -1,12 +1,8 @@
 //! A projection at the prompt: made at once, or, while the clock runs, on a thread of its own, so that the run
 //! goes on meanwhile.
 
-use super::Prompt;
-use anyhow::Result;
-use rpl_drive::show::projection::blocks;
 use rpl_runtime::run::projection::ProjectableRun;
 use rpl_runtime::state::figures::Figures;
-use rpl_runtime::state::projected::Grain;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -16,7 +12,12 @@ const RUNS: u32 = 60;
 const HORIZON_US: u64 = 3_600_000_000;
 
 /// What came of a projection; none if it was given up.
-type Projected = Option<Result<Figures, String>>;
+pub type Projected = Option<Result<Figures, String>>;
+
+/// How a run would go on; none if it was given up.
+pub fn projected(run: ProjectableRun, seed: u64, is_given_up: &dyn Fn() -> bool) -> Projected {
+    run.figures(RUNS, HORIZON_US, seed, is_given_up)
+}
 
 /// A projection under way.
 pub struct Projecting {
@@ -25,19 +26,20 @@ pub struct Projecting {
 }
 
 impl Projecting {
-    fn begin(run: ProjectableRun, seed: u64) -> Self {
+    /// On a thread of its own.
+    pub fn begin(run: ProjectableRun, seed: u64) -> Self {
         let is_given_up = Arc::new(AtomicBool::new(false));
         let given_up = is_given_up.clone();
-        let thread = thread::spawn(move || run.figures(RUNS, HORIZON_US, seed, &|| given_up.load(Ordering::Relaxed)));
+        let thread = thread::spawn(move || projected(run, seed, &|| given_up.load(Ordering::Relaxed)));
         Self { thread: Some(thread), is_given_up }
     }
 
-    fn has_ended(&self) -> bool {
+    pub fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
     /// What came of it, when it has ended.
-    fn end(mut self) -> Projected {
+    pub fn end(mut self) -> Projected {
         // A panic has been told by the thread.
         self.thread.take().and_then(|thread| thread.join().ok().flatten())
     }
@@ -51,58 +53,4 @@ impl Drop for Projecting {
             thread.join().ok();
         }
     }
-}
-
-impl Prompt<'_> {
-    /// `:project`. A further one takes the place of one that is under way.
-    pub(super) fn project(&mut self, words: &str) -> Result<()> {
-        let (grain, form) = grain_of(words);
-        let system = &self.session.branch.system;
-        let is_idle = system.is_waiting_for_form();
-        let (text, told) = match (form.is_empty(), is_idle) {
-            (true, true) => (None, Some("nothing runs; type `:project FORM`")),
-            (false, false) => (None, Some("a form is under way; `:project` alone tells how it would go on")),
-            (true, false) => (None, None),
-            (false, true) => (Some(("projected", form)), None),
-        };
-        if let Some(told) = told {
-            self.console.note(told);
-            return Ok(());
-        }
-        let seed = system.machine.now_us;
-        match system.fork_to_project(text, grain) {
-            Err(why) => self.tell_projected(Some(Err(why))),
-            Ok(run) if self.clock.is_some() => {
-                self.projecting = Some(Projecting::begin(run, seed));
-                Ok(())
-            }
-            Ok(run) => self.tell_projected(run.figures(RUNS, HORIZON_US, seed, &|| false)),
-        }
-    }
-
-    /// Tells what came of a projection under way, if it has ended; when the clock has stopped, nothing else is to do
-    /// until it has.
-    pub(super) fn look_at_projecting(&mut self) -> Result<()> {
-        let is_last = self.clock.is_none();
-        let projecting = self.projecting.take_if(|projecting| is_last || projecting.has_ended());
-        projecting.map_or(Ok(()), |projecting| self.tell_projected(projecting.end()))
-    }
-
-    fn tell_projected(&mut self, projected: Projected) -> Result<()> {
-        match projected {
-            None => {}
-            Some(Ok(figures)) => blocks(&figures).iter().try_for_each(|block| self.console.block(block))?,
-            Some(Err(why)) => self.console.note(why.trim_end()),
-        }
-        Ok(())
-    }
-}
-
-/// The grain that is asked for before a form, and the form.
-fn grain_of(words: &str) -> (Grain, &str) {
-    let named = Grain::ALL.into_iter().find_map(|grain| {
-        let form = words.strip_prefix(':')?.strip_prefix(grain.name())?;
-        (form.is_empty() || form.starts_with([' ', '('])).then(|| (grain, form.trim_start()))
-    });
-    named.unwrap_or((Grain::default(), words))
 }

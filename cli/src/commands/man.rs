@@ -1,6 +1,6 @@
 //! `rpl man FOLDER`: manual pages, one for each command.
 
-use super::VERSION;
+use crate::version::VERSION;
 use anyhow::{Context, Result};
 use clap::Command;
 use clap_mangen::Man;

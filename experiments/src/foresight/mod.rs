@@ -2,6 +2,7 @@
 //! The world is the one of projections, with chances that no plan knows and orders that nobody foresees.
 
 mod days;
+mod rows;
 mod table;
 
 use super::conduct::chosen;
@@ -10,6 +11,7 @@ use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
 use anyhow::{Result, anyhow, bail};
 use days::{Day, DayKind, KINDS};
+use rows::{FORESIGHT, ForesightDay, REACTIVE, ROWS, RowDay, TRUTH};
 use rpl_lang::compile::NoFiles;
 use rpl_mission::modules::SiteModules;
 use rpl_mission::run::{Reached, run_to};
@@ -22,7 +24,6 @@ use rpl_runtime::run::library::Loaded;
 use rpl_runtime::run::system::{Outcome, System};
 use rpl_runtime::state::value::Value;
 use rpl_shell::files::plans;
-use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow::Continue;
 
 /// What the plans have in common.
@@ -33,46 +34,6 @@ const WORLD: &str = "dept";
 
 /// A thing lies at a place that it lies this near to.
 const AT_PLACE_M: f64 = 1.0;
-
-/// Who works: the form that the plan ends with.
-const ROWS: [(&str, &str); 5] = [
-    ("in turn", "(work-in-turn)"),
-    ("reactive", "(work nil)"),
-    ("one look ahead", "(work-with-one-look)"),
-    ("foresight", "(work-with-foresight)"),
-    ("truth", "(work-by-the-truth)"),
-];
-
-/// Rows by number.
-const REACTIVE: usize = 1;
-const ONE_LOOK: usize = 2;
-const FORESIGHT: usize = 3;
-const TRUTH: usize = 4;
-
-/// How a day went.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct RowDay {
-    /// Orders that were kept.
-    kept: u32,
-    /// When the last work was done.
-    ended_s: f64,
-    /// Things that lie neither where they were nor where they were wanted.
-    on_floor: u32,
-    /// Things that were put down more than once.
-    twice: u32,
-    /// Valves that are still held.
-    held: u32,
-    /// Why the work came to no end, if it did not.
-    failure: Option<String>,
-}
-
-/// A day, gone through by all.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ForesightDay {
-    seed: u64,
-    orders: u32,
-    rows: Vec<RowDay>,
-}
 
 /// Days, kind by kind.
 pub struct Foresight {

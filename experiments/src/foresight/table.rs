@@ -1,6 +1,6 @@
 //! What the rows have kept, kind by kind, and how far foresight comes from the reactive plan to the truth.
 
-use super::{FORESIGHT, ForesightDay, ONE_LOOK, REACTIVE, ROWS, RowDay, TRUTH};
+use super::rows::{FORESIGHT, ForesightDay, ONE_LOOK, REACTIVE, ROWS, RowDay, TRUTH};
 use crate::findings::Findings;
 use crate::statistics::Summary;
 use rpl_shell::status::Status;

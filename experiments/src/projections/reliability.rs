@@ -1,7 +1,7 @@
 //! How reliable forecasts are: bins of about the same forecast beside what then happened, and the score of Brier
 //! ("Verification of forecasts expressed in terms of probability", 1950).
 
-use super::{FORECASTERS, ForetoldMission};
+use super::foretold_mission::{FORECASTERS, ForetoldMission};
 use crate::findings::Findings;
 use crate::statistics::Proportion;
 use rpl_shell::status::Status;

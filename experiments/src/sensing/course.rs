@@ -78,6 +78,9 @@ pub struct SensingRun {
     pub mirrored: f64,
 }
 
+/// The runs of each row.
+pub type SensingRuns = Vec<(&'static SensingSetting, Vec<SensingRun>)>;
+
 impl SensingRun {
     /// When the robot first became certain of its true position and stayed so for a while.
     pub fn certain_after_s(&self) -> Option<f64> {

@@ -13,14 +13,11 @@ use super::findings::Findings;
 use super::kind::{ExperimentKind, Run};
 use super::request::ExperimentRequest;
 use anyhow::Result;
-use course::{EndPoint, Hall, NEVER_LONGER_US, SensingRun};
+use course::{EndPoint, Hall, NEVER_LONGER_US, SensingRun, SensingRuns};
 use rpl_shell::files::world_files;
 use rpl_shell::status::Status;
 use serde_json::json;
 use settings::{SETTINGS, SensingSetting};
-
-/// The runs of each row.
-pub type SensingRuns = Vec<(&'static SensingSetting, Vec<SensingRun>)>;
 
 /// The experiment; its status is about its first row.
 pub struct Sensing {

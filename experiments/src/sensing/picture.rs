@@ -1,8 +1,7 @@
 //! The figures of the experiment, as in the paper: error over time (Fig. 9), probability of the true
 //! position (Fig. 10), and what the selected readings met (Fig. 11).
 
-use super::SensingRuns;
-use super::course::{EndPoint, Hall, SensingMoment, SensingRun};
+use super::course::{EndPoint, Hall, SensingMoment, SensingRun, SensingRuns};
 use super::settings::{Policy, SensingSetting, Sensors};
 use crate::chart::{self, Curve, CurvePoint as Mean};
 use rpl_drawing::{Dots, Figure, FloorPlan};

@@ -1,7 +1,6 @@
 //! The table of the experiment, and its runs as lines.
 
-use super::SensingRuns;
-use super::course::{CERTAIN_WITHIN_S, HELD_S, SensingRun};
+use super::course::{CERTAIN_WITHIN_S, HELD_S, SensingRun, SensingRuns};
 use crate::statistics::{Dispersion, Proportion, Summary};
 use rpl_shell::terminal::page::Block;
 use rpl_shell::terminal::table::{NOTHING, Table};

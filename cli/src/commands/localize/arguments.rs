@@ -3,7 +3,7 @@
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_robot::geometry::Pose;
-use rpl_robot::recording::{FirstReading, LaserMount};
+use rpl_robot::recording::{FirstReading, LaserMount, TrialStart};
 use rpl_shell::arguments::completion;
 use rpl_shell::arguments::numbers::{number, positive};
 use std::path::PathBuf;
@@ -86,6 +86,11 @@ pub enum End {
 }
 
 impl Arguments {
+    /// What is known at the start of a window.
+    pub fn start(&self) -> TrialStart {
+        if self.from_truth { TrialStart::FromTruth } else { TrialStart::Uniform }
+    }
+
     /// The phases of the windows, from --phase on and around.
     pub fn all_phases(&self) -> Vec<f64> {
         let around = |turn: u32| {

@@ -1,6 +1,6 @@
 //! Map, paths and errors of the trials as SVG.
 
-use super::Timed;
+use super::windows::Timed;
 use rpl_drawing::palette::{self, SERIES};
 use rpl_drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text};
 use rpl_drawing::{Figure, FloorPlan, TrackKind};

@@ -1,6 +1,6 @@
 //! What the trials showed together.
 
-use super::Timed;
+use super::windows::Timed;
 use rpl_experiments::reliability::{self, Bin, Judged, SURE};
 use rpl_experiments::statistics::{Proportion, quantile};
 use rpl_robot::localization::Calibration;

@@ -6,6 +6,7 @@ mod findings;
 mod mcap_log;
 mod once;
 mod table;
+mod windows;
 
 use anyhow::{Context, Result, anyhow, bail};
 pub use arguments::Arguments;
@@ -14,7 +15,7 @@ use rpl_experiments::chart;
 use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{Calibration, LocalizationModel, LocalizationParameters};
 use rpl_robot::occupancy::{Cell, OccupancyGrid};
-use rpl_robot::recording::{BeamChoice, Recording, Trial, TrialStart, Window, fit_odometry, fit_sensor, localize};
+use rpl_robot::recording::{BeamChoice, Recording, fit_odometry, fit_sensor, localize};
 use rpl_shell::files::maps::MapFile;
 use rpl_shell::files::outputs::{OutputFile, OutputFolder};
 use rpl_shell::files::shown::Shown;
@@ -25,23 +26,10 @@ use rpl_shell::terminal::console::Console;
 use rpl_shell::terminal::progress;
 use std::ops::ControlFlow;
 use std::time::Instant;
+use windows::{Placed, Timed, windows};
 
 /// A log belongs to a map if this share of its poses lies on free space.
 const ON_THE_MAP: f64 = 0.5;
-
-/// A window, and by which share of the way to the next one it is shifted; a whole drive by none.
-struct Placed {
-    phase: f64,
-    window: Window,
-}
-
-/// A trial, the window it was made in, and how long it took.
-struct Timed {
-    phase: f64,
-    window: Window,
-    trial: Trial,
-    wall_s: f64,
-}
 
 /// Runs the trials, or fits the parameters.
 ///
@@ -95,7 +83,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if arguments.json {
         console.print(&table::json(&trials, &findings))?;
     } else {
-        table::summary(&findings, start(arguments)).iter().try_for_each(|block| console.block(block))?;
+        table::summary(&findings, arguments.start()).iter().try_for_each(|block| console.block(block))?;
     }
     if trials.len() < wanted {
         console.note(&format!("interrupted: {} of {wanted} windows are done", trials.len()));
@@ -161,30 +149,6 @@ fn parameters(arguments: &Arguments, beams_deg: Vec<i32>) -> Result<Localization
     Ok(parameters)
 }
 
-fn start(arguments: &Arguments) -> TrialStart {
-    if arguments.from_truth { TrialStart::FromTruth } else { TrialStart::Uniform }
-}
-
-/// The windows of one phase after the other, so that whatever is done of them is spread over the drive.
-fn windows(arguments: &Arguments, recording: &Recording) -> Result<Vec<Placed>> {
-    let count = arguments.windows.map(|count| count as usize);
-    match (start(arguments), count) {
-        (TrialStart::FromTruth, None) if arguments.phases > 1 => {
-            bail!("with --from-truth there is one window, the whole drive; `--phases` needs `--windows`")
-        }
-        (TrialStart::FromTruth, None) => Ok(vec![Placed { phase: 0.0, window: Window::whole(recording) }]),
-        (_, count) => {
-            let count = count.unwrap_or(arguments::WINDOWS);
-            let mut placed = Vec::new();
-            for phase in arguments.all_phases() {
-                let windows = Window::spread(recording, count, arguments.window_length, phase)?;
-                placed.extend(windows.into_iter().map(|window| Placed { phase, window }));
-            }
-            Ok(placed)
-        }
-    }
-}
-
 /// Fits sensor and odometry and writes the parameters.
 fn fit(
     file: OutputFile,
@@ -233,7 +197,7 @@ fn all_trials(
             bar.inc(1);
             if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let Some(trial) = localize(model, recording, beams, &window, start(arguments), after_scan) else { break };
+        let Some(trial) = localize(model, recording, beams, &window, arguments.start(), after_scan) else { break };
         let timed = Timed { phase, window, trial, wall_s: began.elapsed().as_secs_f64() };
         tell(table.row_text(&table::row(index, &timed)))?;
         trials.push(timed);

@@ -1,6 +1,6 @@
 //! `--once`: scans of the drive, each alone against the whole map.
 
-use super::Arguments;
+use super::arguments::Arguments;
 use anyhow::Result;
 use rpl_experiments::one_scan::{Answer, RowResult, answer, bins, table};
 use rpl_experiments::reliability;

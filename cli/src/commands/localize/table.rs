@@ -1,7 +1,7 @@
 //! What the trials showed, as text.
 
-use super::Timed;
 use super::findings::{Certainty, Errors, Findings, Phase, Spread};
+use super::windows::Timed;
 use rpl_experiments::reliability::{self, SURE};
 use rpl_experiments::statistics::Proportion;
 use rpl_robot::localization::{BeamParameters, OdometryError};

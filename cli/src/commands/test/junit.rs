@@ -1,6 +1,6 @@
 //! The report of `rpl test` as JUnit XML, which services that build and test understand.
 
-use super::{FaultyFile, TestRecord, TestReport};
+use super::report::{FaultyFile, TestRecord, TestReport};
 use ::console::strip_ansi_codes;
 use std::fmt::Write;
 

@@ -1,10 +1,12 @@
 //! `rpl test FILE...`: runs the tests in plans, each in a system of its own.
 
 mod junit;
+mod report;
 
 use anyhow::{Context, Result, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use report::{FaultyFile, TestRecord, TestReport};
 use rpl_drive::observed::RunEnd;
 use rpl_drive::run_driver::{Pace, drive};
 use rpl_drive::run_record::Records;
@@ -31,7 +33,6 @@ use rpl_shell::files::{robot_files, world_files};
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use rpl_shell::{interrupt, sites};
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,50 +72,6 @@ pub struct Arguments {
     /// Also write a report to this file, as JUnit XML
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     junit: Option<PathBuf>,
-}
-
-/// What `--json` writes.
-#[derive(Clone, Debug, Default, Serialize)]
-struct TestReport {
-    tests: Vec<TestRecord>,
-    succeeded: usize,
-    failed: usize,
-    /// Not all tests have come to their end.
-    interrupted: bool,
-    /// Files that could not be read or compiled.
-    faulty_files: Vec<FaultyFile>,
-    wall_s: f64,
-}
-
-/// A file whose tests could not run.
-#[derive(Clone, Debug, Serialize)]
-struct FaultyFile {
-    file: String,
-    reason: String,
-}
-
-/// How a test went.
-#[derive(Clone, Debug, Serialize)]
-struct TestRecord {
-    name: String,
-    file: String,
-    line: usize,
-    outcome: &'static str,
-    time_s: f64,
-    seed: u64,
-    world: Option<String>,
-    failure: Option<FailureRecord>,
-    output: Vec<String>,
-    wall_s: f64,
-    /// Why it did not succeed, for people.
-    #[serde(skip)]
-    reason: String,
-}
-
-impl TestRecord {
-    fn has_succeeded(&self) -> bool {
-        self.outcome == "succeeded"
-    }
 }
 
 /// The arguments, with what the project of the files says. What they say themselves holds.
@@ -195,7 +152,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     if arguments.json {
         console.print(&serde_json::to_string(&report).context("the report cannot be written as JSON")?)?;
     } else if !report.tests.is_empty() {
-        console.print(&summary(&report))?;
+        console.print(&report.summary())?;
     }
     if report.interrupted {
         return Ok(Status::Interrupted);
@@ -217,22 +174,6 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 /// Seconds since then.
 fn to_milliseconds(began: Instant) -> f64 {
     (began.elapsed().as_secs_f64() * 1e3).round() / 1e3
-}
-
-fn summary(report: &TestReport) -> String {
-    let count = report.tests.len();
-    let tests = if count == 1 { "1 test".to_string() } else { format!("{count} tests") };
-    let how = match (report.failed, report.interrupted) {
-        (0, false) if report.faulty_files.is_empty() => "all ok".to_string(),
-        (0, false) => match report.faulty_files.len() {
-            1 => "ok, but a file has errors".to_string(),
-            faulty => format!("ok, but {faulty} files have errors"),
-        },
-        (0, true) => "then interrupted".to_string(),
-        (failed, false) => format!("{failed} failed"),
-        (failed, true) => format!("{failed} failed, then interrupted"),
-    };
-    format!("{tests}, {how}, in {:.1} s", report.wall_s)
 }
 
 /// The world of a test with the seed it is drawn from, 0 if it is drawn from none, and the scenario.
