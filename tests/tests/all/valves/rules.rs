@@ -1,4 +1,4 @@
-//! Valves: borrowing, interruption, hooks, clean-ups, circles of waiting.
+//! Lines, borrowing, and interruption.
 
 use rpl_tests::{check, run};
 
@@ -50,21 +50,6 @@ fn a_higher_request_pre_empts_the_branch_from_inside() {
     );
 }
 
-/// r[valve.hooks]
-#[test]
-fn hooks_run_innermost_first_and_may_block() {
-    check(
-        "(def-valve v)
-         (par (with-valve v
-                (on-interrupt (seq (wait-time 1) (print (list 'outer (now))))
-                  (on-resume (print (list 'resume-outer (now)))
-                    (on-interrupt (print (list 'inner (now)))
-                      (on-resume (seq (wait-time 1) (print (list 'resume-inner (now)))) (wait-time 2) (print (list 'goes-on (now))))))))
-              (with-priority 1 (wait-time 1) (with-valve v (print (list 'lent (now))) (wait-time 1))))",
-        "(inner 1.0)\n(outer 2.0)\n(lent 2.0)\n(resume-inner 4.0)\n(resume-outer 4.0)\n(goes-on 4.0)\n=> nil",
-    );
-}
-
 /// r[valve.return]
 #[test]
 fn pre_emption_nests_and_the_pre_empted_come_first_among_equals() {
@@ -79,19 +64,6 @@ fn pre_emption_nests_and_the_pre_empted_come_first_among_equals() {
     );
 }
 
-/// r[valve.dead], r[valve.is]
-#[test]
-fn a_valve_is_given_back_at_death_after_the_clean_ups() {
-    check(
-        "(def-valve v)
-         (par (:tag a (unwind-protect (seq (request-valve v) (wait-time 9)) (seq (wait-time 1) (print 'cleaned))))
-              (seq (wait-time 1) (par (evaporate a) (with-valve v (print (now))))))",
-        "cleaned\n2.0\n=> 2.0",
-    );
-    check("(def-valve v) (ignore-failures (failure) (with-valve v (fail \"x\"))) (with-valve v 'again)", "=> again");
-    check("(def-valve v) (block b (with-valve v (return-from b 1))) (with-valve v 'again)", "=> again");
-}
-
 /// r[valve.calls]
 #[test]
 fn releasing_what_one_does_not_hold_is_an_error() {
@@ -99,30 +71,6 @@ fn releasing_what_one_does_not_hold_is_an_error() {
     check(
         "(def-valve v) (request-valve v) (release-valve v) (with-failure-handling ((valve-error () 'error)) (release-valve v))",
         "=> error",
-    );
-}
-
-/// r[valve.evaporated]
-#[test]
-fn an_evaporated_pre_empted_owner_cleans_up_at_once() {
-    check(
-        "(def-valve v)
-         (par (:tag a (with-valve v (unwind-protect (wait-time 9) (seq (print (list 'clean (now))) (with-valve v (print (list 'drives (now))))))))
-              (with-priority 1 (wait-time 1) (with-valve v (wait-time 4)))
-              (seq (wait-time 1.5) (with-valve v (print (list 'line (now)))))
-              (seq (wait-time 2) (evaporate a) (print (list 'dead (now)))))",
-        "(clean 2.0)\n(drives 5.0)\n(line 5.0)\n(dead 5.0)\n=> (dead 5.0)",
-    );
-}
-
-/// r[valve.clean-up]
-#[test]
-fn pre_emption_waits_for_a_clean_up() {
-    check(
-        "(def-valve v)
-         (par (with-valve v (unwind-protect (seq) (seq (wait-time 2) (print (list 'cleaned (now))))) (wait-time 1) (print (list 'body (now))))
-              (with-priority 1 (wait-time 1) (with-valve v (print (list 'got (now))) (wait-time 2))))",
-        "(cleaned 2.0)\n(got 2.0)\n(body 5.0)\n=> nil",
     );
 }
 
@@ -142,21 +90,6 @@ fn a_deadline_passes_while_pre_empted() {
               (with-priority 1 (wait-time 1) (with-valve v (wait-time 4))))",
         "(timeout 5.0)\n=> nil",
     );
-}
-
-/// r[valve.circle]
-#[test]
-fn a_circle_of_waiting_is_a_deadlock() {
-    let result = run("(def-valve v) (def-valve w)
-         (par (with-valve v (wait-time 1) (with-valve w 1)) (with-valve w (wait-time 1) (with-valve v 1)))");
-    assert!(
-        result.starts_with("failed: deadlock") && result.contains("valve v") && result.contains("valve w"),
-        "{result}"
-    );
-    let evaporating = run("(def-valve v)
-         (par (:tag a (unwind-protect (wait-time 9) (with-valve v 1)))
-              (with-valve v (wait-time 1) (evaporate a)))");
-    assert!(evaporating.contains("deadlock: this would close a circle"), "{evaporating}");
 }
 
 #[test]
@@ -196,42 +129,6 @@ fn a_valve_taken_twice_is_given_back_twice() {
     assert!(found.starts_with("failed: valve-error"), "{found}");
 }
 
-/// r[valve.hook-failure], r[valve.hooks]
-#[test]
-fn a_hook_that_fails_stops_nothing() {
-    check(
-        "(def-valve v)
-         (par (with-valve v (on-interrupt (print 'outer) (on-interrupt (fail \"hook\") (wait-time 2) (print 'goes-on))))
-              (with-priority 1 (wait-time 1) (with-valve v (print 'lent))))",
-        "outer\nlog: warning: a failure in a hook: plan-failure: hook\nlent\ngoes-on\n=> lent",
-    );
-}
-
-/// r[valve.hooks], r[valve.clean-up]
-#[test]
-fn hooks_run_at_the_priority_of_the_one_who_waits() {
-    check(
-        "(def-valve v)
-         (par (with-valve v (on-interrupt (seq (wait-time 1) (print 'hook)) (wait-time 5)))
-              (with-priority 1 (wait-time 2) (print 'between))
-              (with-priority 2 (wait-time 1) (with-valve v (print 'lent))))",
-        "hook\nlent\nbetween\n=> lent",
-    );
-}
-
-/// r[valve.clean-up]
-#[test]
-fn a_clean_up_in_the_way_runs_at_the_priority_of_the_one_who_waits() {
-    check(
-        "(def-valve v) (def-fluent go nil)
-         (par (with-valve v (unwind-protect (seq) (seq (wait-for go) (print 'clean))))
-              (with-priority 1 (wait-for go) (print 'middle))
-              (with-priority 2 (with-valve v (print 'high)))
-              (with-priority 3 (wait-time 1) (setf (value go) t)))",
-        "clean\nhigh\nmiddle\n=> t",
-    );
-}
-
 /// r[valve.preempt], r[valve.return]
 #[test]
 fn whoever_gets_the_valve_back_goes_on_where_it_was() {
@@ -248,23 +145,6 @@ fn whoever_gets_the_valve_back_goes_on_where_it_was() {
               (ignore-failures (timeout) (with-timeout 1 (with-valve v (print 'never)))))",
         "kept\n=> nil",
     );
-}
-
-/// r[valve.circle]
-#[test]
-fn the_circle_is_told_with_tasks_and_valves() {
-    let result = run("(def-valve left) (def-valve right)
-         (par (:tag one (with-valve left (wait-time 1) (with-valve right 1)))
-              (:tag two (with-valve right (wait-time 1) (with-valve left 1))))");
-    for part in ["failed: deadlock", "main/one waits for valve right", "main/two waits for valve left"] {
-        assert!(result.contains(part), "{result}");
-    }
-    let joined = run("(def-valve v) (with-valve v (par (with-priority -1 (wait-time 1)) (with-valve v 1)) 'through)");
-    assert_eq!(joined, "=> through");
-    let evaporating = run("(def-valve v)
-         (par (:tag a (unwind-protect (wait-time 9) (with-valve v 1)))
-              (with-valve v (wait-time 1) (evaporate a)))");
-    assert!(evaporating.contains("waits for the end of main/a"), "{evaporating}");
 }
 
 /// r[valve.preempt], r[valve.nested]
@@ -372,51 +252,6 @@ fn the_children_of_a_borrower_borrow_from_it() {
     );
 }
 
-/// r[valve.boost]
-#[test]
-fn a_clean_up_that_has_given_the_valve_back_is_as_important_as_before() {
-    check(
-        "(def-valve v)
-         (with-policy (seq (wait-time 1) (with-valve v (print 'policy)))
-           (unwind-protect nil (with-valve v (wait-time 2)) (print 'clean-up)))",
-        "policy\nclean-up\n=> nil",
-    );
-    // Nor once the one that waited is gone.
-    check(
-        "(def-valve v) (def-fluent go nil)
-         (par (with-valve v (unwind-protect nil (wait-for go) (print 'clean-up)))
-              (with-priority 1 (wait-for go) (print 'middle))
-              (:tag high (with-priority 2 (with-valve v (print 'high))))
-              (with-priority 3 (wait-time 1) (evaporate high) (setf (value go) t)))",
-        "middle\nclean-up\n=> t",
-    );
-}
-
-/// r[valve.clean-up], r[valve.evaporated]
-#[test]
-fn a_clean_up_that_waits_for_the_valve_keeps_nobody_from_pre_empting_its_holder() {
-    check(
-        "(def-valve v)
-         (par (:tag low (with-valve v (unwind-protect (wait-time 9) (with-valve v (print (list 'clean-up (now)))))))
-              (with-priority 1 (wait-time 1) (with-valve v (wait-time 4) (print (list 'middle (now)))))
-              (seq (wait-time 2) (evaporate low))
-              (with-priority 3 (wait-time 3) (with-valve v (print (list 'high (now))) (wait-time 1))))",
-        "(high 3.0)\n(middle 5.0)\n(clean-up 5.0)\n=> nil",
-    );
-}
-
-/// r[valve.rest]
-#[test]
-fn while_a_clean_up_runs_in_the_subtree_nothing_is_suspended() {
-    check(
-        "(def-valve v)
-         (with-policy (seq (wait-time 1) (with-valve v (print (list 'policy (now))) (wait-time 3)))
-           (with-valve v (par (unwind-protect nil (wait-time 3) (print (list 'cleaned (now))))
-                              (dotimes (i 4) (wait-time 0.75) (print (now))))))",
-        "0.75\n1.5\n2.25\n(cleaned 3.0)\n(policy 3.0)\n6.0\n=> nil",
-    );
-}
-
 /// r[valve.branch]
 #[test]
 fn the_branch_of_a_borrower_that_died_goes_on_when_the_valve_comes_back() {
@@ -440,34 +275,6 @@ fn a_task_that_leaves_goes_on_when_it_gives_a_valve_back() {
              (unwind-protect (with-valve v (unwind-protect (fail \"x\") (wait-time 2) (print 'inner)))
                (print 'outer) (print 'still))))",
         "inner\nouter\nstill\npolicy\n=> nil",
-    );
-}
-
-/// r[valve.hooks]
-#[test]
-fn scopes_that_are_interrupted_already_have_had_their_turn() {
-    check(
-        "(def-valve v)
-         (with-policy (seq (wait-time 2) (with-valve v (print (list 'outside (now))) (wait-time 1)))
-           (with-valve v
-             (on-interrupt (print 'owner-down)
-               (on-resume (print 'owner-up)
-                 (par (with-valve v (on-interrupt (print 'down) (on-resume (print 'up) (wait-time 2))))
-                      (with-priority 1 (wait-time 1) (with-valve v (wait-time 3))))))))",
-        "down\nowner-down\n(outside 2.0)\nowner-up\nup\n=> nil",
-    );
-}
-
-/// r[valve.hooks], r[valve.borrow]
-#[test]
-fn what_hooks_do_side_by_side_takes_turns() {
-    check(
-        "(def-valve v)
-         (with-policy (seq (wait-time 1) (with-valve v (print (list 'lent (now)))))
-           (with-valve v
-             (on-interrupt (par (with-valve v (wait-time 1)) (with-valve v (print (list 'second (now)))))
-               (wait-time 2))))",
-        "(second 2.0)\n(lent 2.0)\n=> nil",
     );
 }
 
@@ -508,141 +315,6 @@ fn a_crowd_of_tasks_with_a_valve_each_is_linear() {
     };
     let (few, many) = (work(250), work(2_000));
     assert!(many <= few * 9, "250 valves cost {few}, 2,000 cost {many}");
-}
-
-/// r[valve.rest], r[cleanup.protected]
-#[test]
-fn what_a_clean_up_starts_is_not_interrupted_from_outside() {
-    // However the clean-up wraps what it does.
-    for wrapped in [
-        "(with-timeout 30 (put-back))",
-        "(par (put-back))",
-        "(with-priority -1 (put-back))",
-        "(:tag home (put-back))",
-        "(with-policy nil (put-back))",
-        "(par nil (par (with-timeout 30 (put-back))))",
-    ] {
-        check(
-            &format!(
-                "(def-valve arm)
-                 (def-plan put-back () (with-valve arm (wait-time 2) (print (list 'home (now)))))
-                 (with-policy (seq (wait-time 1) (with-valve arm (print (list 'policy (now)))))
-                   (unwind-protect nil {wrapped}))
-                 nil"
-            ),
-            "(home 2.0)\n(policy 2.0)\n=> nil",
-        );
-    }
-    check(
-        "(def-valve arm)
-         (def-plan p ()
-           (with-policy (seq (wait-time 3) (with-valve arm (wait-time 2) (print (list 'policy (now)))))
-             (par (:tag w (evap-protect (wait-time 9)
-                            (par (with-valve arm (wait-time 2) (print (list 'put-back (now)))))))
-                  (seq (wait-time 2) (evaporate w)))))
-         (p)",
-        "(put-back 4.0)\n=> nil",
-    );
-    // Inside one clean-up the rule is what it always is.
-    check(
-        "(def-valve arm)
-         (unwind-protect nil
-           (par (with-valve arm (wait-time 2) (print (list 'low (now))))
-                (with-priority 1 (wait-time 1) (with-valve arm (wait-time 3) (print (list 'high (now)))))))
-         nil",
-        "(high 4.0)\n(low 4.0)\n=> nil",
-    );
-    // Who waits outside lends the clean-up its priority: then nobody inside is more important.
-    check(
-        "(def-valve arm)
-         (with-policy (seq (wait-time 0.5) (with-valve arm (print (list 'policy (now)))))
-           (unwind-protect nil
-             (par (with-valve arm (wait-time 2) (print (list 'low (now))))
-                  (with-priority -1 nil)
-                  (with-priority 1 (wait-time 1) (with-valve arm (wait-time 1) (print (list 'high (now))))))))
-         nil",
-        "(low 2.0)\n(policy 2.0)\n(high 3.0)\n=> nil",
-    );
-}
-
-/// r[priority.run], r[valve.clean-up]
-#[test]
-fn a_clean_up_that_comes_to_another_priority_keeps_its_place_among_those_that_are_ready() {
-    check(
-        "(def-valve v)
-         (with-policy (seq (wait-time 1) (par (with-policy (wait-time 1) (print 'later)) (with-valve v)))
-           (with-valve v (unwind-protect nil (wait-time 1) (print 'clean-up))))
-         nil",
-        "clean-up\nlater\n=> nil",
-    );
-}
-
-/// r[valve.hooks-end]
-#[test]
-fn hooks_and_clean_ups_of_one_task_never_run_side_by_side() {
-    let told = |waits: &str, hook: &str| {
-        format!(
-            "(def-valve arm)
-             (def-plan p ()
-               (par (:tag b (with-valve arm
-                              (on-interrupt {hook}
-                                (par (:tag inner
-                                       (evap-protect (wait-time 10)
-                                         (print (list 'begins (now)))
-                                         (wait-time 2)
-                                         (print (list 'ends (now))))))))) 
-                    (with-priority 1 (wait-time 1) (with-valve arm))
-                    {waits}))
-             (p) nil"
-        )
-    };
-    let hook = "(seq (wait-time 2) (print (list 'hook (now))))";
-    // Its own hooks are ended.
-    check(&told("(seq (wait-time 2) (evaporate b))", hook), "(begins 2.0)\n(ends 4.0)\n=> nil");
-    // With their clean-ups.
-    let careful = "(evap-protect (wait-time 2) (wait-time 1) (print (list 'hook-ended (now))))";
-    check(&told("(seq (wait-time 2) (evaporate b))", careful), "(hook-ended 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil");
-    // Those of a task above are waited for,
-    check(&told("(seq (wait-time 2) (evaporate inner))", hook), "(hook 3.0)\n(begins 3.0)\n(ends 5.0)\n=> nil");
-    // unless it is they who end it.
-    let ends_it = "(seq (evaporate inner) (print (list 'hook (now))))";
-    check(&told("nil", ends_it), "(begins 1.0)\n(ends 3.0)\n(hook 3.0)\n=> nil");
-}
-
-/// r[valve.circle]
-#[test]
-fn a_circle_through_what_is_suspended_is_told() {
-    check(
-        "(def-valve v1) (def-valve v3)
-         (with-timeout 60
-           (pursue (loop (wait-time 1))
-             (par (seq (wait-time 1)
-                       (with-priority 1
-                         (with-failure-handling ((deadlock () (print (list 'deadlock (now)))))
-                           (with-valve v1 (with-valve v3 (print 'both))))))
-                  (with-valve v1 (with-priority 1 (with-valve v3 (wait-time 2)))))))
-         (now)",
-        "(deadlock 1.0)\n=> 2.0",
-    );
-    let told = run("(def-valve v)
-         (def-plan p ()
-           (with-timeout 60
-             (par (loop (wait-time 1))
-                  (:tag held (with-valve v (wait-time 5)))
-                  (seq (wait-time 1) (with-task-suspended (held) (with-valve v (print 'both)))))))
-         (p)");
-    for part in ["failed: deadlock", "waits for valve v", "held is suspended by main/p"] {
-        assert!(told.contains(part), "{told}");
-    }
-    // Whoever is only interrupted has the valve again when the other is done.
-    check(
-        "(def-valve v1) (def-valve v3)
-         (par (with-valve v1 (with-valve v3 (wait-time 2)) (print (now)))
-              (with-priority 1 (wait-time 1) (with-valve v1 (wait-time 5)))
-              (seq (wait-time 2) (with-valve v3 (print 'last))))
-         nil",
-        "6.0\nlast\n=> nil",
-    );
 }
 
 /// r[valve.decision]
