@@ -3,8 +3,10 @@
 
 use super::act_model::ActModel;
 use super::activity::{Doing, Outcome, UnderWay};
+use super::drive::{Drive, microseconds};
 use super::drive_times::DriveTimes;
 use super::models::{DriveRecord, GraspRecord, Missed, Models, TimedDrive};
+use super::streams::Streams;
 use super::ways::{Way, WayMap, Ways};
 use crate::description::{BatteryDescription, GripperDescription};
 use crate::geometry::{Point, Pose, distance_m, wrap_angle_rad};
@@ -58,21 +60,6 @@ pub struct Thing {
     known_in_map: Option<Option<Point>>,
 }
 
-/// A drive under way: where it is at which time.
-#[derive(Clone, Debug)]
-struct Drive {
-    way: Arc<Way>,
-    /// When each stretch begins; at the end of the last one it turns to its heading.
-    begins_us: Vec<u64>,
-    start_in_map: Pose,
-    targets: usize,
-    /// How long it should take and takes, beside what doors cost.
-    timed: TimedDrive,
-    /// Doors on the way that the run first comes to: how many are open then, and how many are closed.
-    doors_open: u32,
-    doors_closed: u32,
-}
-
 /// What an abstract robot learns in a run, as one on wheels does.
 #[derive(Clone, Debug, Default)]
 pub struct Experience {
@@ -122,30 +109,6 @@ pub struct AbstractRobot {
     pub experience: Experience,
 }
 
-/// Streams by what is drawn from them, so that a plan that grasps once more still meets the same people.
-#[derive(Clone, Debug)]
-struct Streams {
-    drives: Stream,
-    doors: u64,
-    grasps: Stream,
-    things: u64,
-    searches: Stream,
-    acts: Stream,
-}
-
-impl Streams {
-    fn of(seed: u64) -> Self {
-        Self {
-            drives: Stream::new(seed, "foreseen drives"),
-            doors: seed,
-            grasps: Stream::new(seed, "foreseen grasps"),
-            things: seed,
-            searches: Stream::new(seed, "foreseen searches"),
-            acts: Stream::new(seed, "foreseen acts"),
-        }
-    }
-}
-
 /// A way that is longer than a straight stretch by this factor leads around something.
 const MOST_DETOUR: f64 = 1.3;
 
@@ -155,10 +118,6 @@ const SAME_PLACE_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 
 fn is_same_place(one: Pose, other: Pose) -> bool {
     one.distance_m(other) < SAME_PLACE_M && wrap_angle_rad(one.heading_rad - other.heading_rad).abs() < SAME_PLACE_RAD
-}
-
-fn microseconds(seconds: f64) -> u64 {
-    libm::round(seconds.max(0.0) * 1e6) as u64
 }
 
 impl AbstractRobot {
@@ -283,10 +242,7 @@ impl AbstractRobot {
     /// When the next thing happens, if any.
     pub fn next_event_us(&self) -> Option<u64> {
         let endings = self.doing.values().map(|activity| activity.ends_us);
-        let target = self.drive.as_ref().and_then(|drive| {
-            let next = |&&at: &&usize| drive.begins_us.get(at).is_some_and(|&begins_us| begins_us > self.now_us);
-            drive.way.targets_at.iter().find(next).and_then(|&at| drive.begins_us.get(at).copied())
-        });
+        let target = self.drive.as_ref().and_then(|drive| drive.next_target_us(self.now_us));
         let rate_per_s = self.battery_per_s();
         let battery = (rate_per_s != 0.0 && (self.battery > 0.0 || rate_per_s > 0.0)).then(|| {
             let bound =
@@ -307,7 +263,8 @@ impl AbstractRobot {
             self.told_battery = self.battery;
         }
         self.now_us = now_us;
-        self.move_along();
+        let led_to = self.drive.as_ref().and_then(|drive| drive.pose_in_map(now_us, &self.knowledge.drive_times));
+        self.robot_in_map = led_to.unwrap_or(self.robot_in_map);
         let mut ended: Vec<(u64, Doing)> = self
             .doing
             .iter()
@@ -370,10 +327,7 @@ impl AbstractRobot {
 
     /// Targets of the drive that are not reached yet.
     pub fn remaining_targets(&self) -> usize {
-        self.drive.as_ref().map_or(0, |drive| {
-            let is_reached = |&&at: &&usize| drive.begins_us.get(at).is_some_and(|&begins_us| begins_us <= self.now_us);
-            drive.targets - drive.way.targets_at.iter().filter(is_reached).count().min(drive.targets)
-        })
+        self.drive.as_ref().map_or(0, |drive| drive.remaining_targets(self.now_us))
     }
 
     /// Whether it moves.
@@ -562,29 +516,6 @@ impl AbstractRobot {
         if doing == Doing::Driving {
             self.drive = None;
         }
-    }
-
-    /// Where the drive has led to until now.
-    fn move_along(&mut self) {
-        let Some(drive) = &self.drive else { return };
-        let begun = drive.begins_us.partition_point(|&begins_us| begins_us <= self.now_us);
-        let Some(last) = begun.checked_sub(1) else { return };
-        let point_before = |at: usize| match at.checked_sub(1) {
-            Some(before) => drive.way.stretches[before].to_in_map,
-            None => drive.start_in_map.point(),
-        };
-        let Some(stretch) = drive.way.stretches.get(last) else {
-            let end = point_before(last);
-            self.robot_in_map = Pose::new(end.x, end.y, drive.way.last_heading_rad);
-            return;
-        };
-        let from = point_before(last);
-        let ahead = stretch.to_in_map - from;
-        let begins_us = drive.begins_us[last];
-        let takes_us = microseconds(self.knowledge.drive_times.metre_s(stretch.mode) * stretch.length_m).max(1);
-        let share = ((self.now_us - begins_us) as f64 / takes_us as f64).min(1.0);
-        let at = from + ahead * share;
-        self.robot_in_map = Pose::new(at.x, at.y, wrap_angle_rad(libm::atan2(ahead.y, ahead.x)));
     }
 
     fn battery_per_s(&self) -> f64 {

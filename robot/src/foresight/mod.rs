@@ -7,7 +7,7 @@
 //! filter, and all else is as in the abstract one.
 //!
 //! Read `ways` (where a drive leads), `drive_times` (how long it takes), `models` (what may come between),
-//! `activity` (what is asked of a robot), `abstract_robot` (the robot that lives by them), `simulated_world` (the
+//! `activity` (what is asked of a robot), `drive`, `streams` and `abstract_robot` (the robot that lives by them), `simulated_world` (the
 //! world in which it drives for itself).
 //!
 //! Behaviours of modules in other processes are drawn from the declarations in their manifests (`act_model`).
@@ -15,7 +15,9 @@
 pub mod abstract_robot;
 pub mod act_model;
 pub mod activity;
+mod drive;
 pub mod drive_times;
 pub mod models;
 pub mod simulated_world;
+mod streams;
 pub mod ways;

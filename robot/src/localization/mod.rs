@@ -7,11 +7,12 @@
 //! moves the robot.
 //!
 //! Read in this order: `scan_parameters`, `parameters`, `grid`, `ground`, `sensor`, `expected`, `scan`, `model` (what
-//! never changes), then `tile`, `plane`, `motion`, `belief`, `odometry_faults`, `weigh`, `summary`,
-//! `evidence` and `scan_match` (the belief), `landmark` (what was seen), `calibration`, `watcher`, `contest`, `map_fit` and
-//! `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), `reading` (a
+//! never changes), then `tile`, `plane`, `motion`, `belief`, `advance`, `sleep`, `resampling`,
+//! `odometry_faults`, `weigh`, `summary`, `evidence` and `scan_match` (the belief), `landmark` (what was seen),
+//! `calibration`, `watcher`, `contest`, `review`, `map_fit` and `beliefs` (fine and coarse), `gating` (which readings are left out), `filter` (the state others use), `reading` (a
 //! belief read beam by beam), and `once` (one scan against the whole map).
 
+mod advance;
 mod belief;
 mod beliefs;
 mod calibration;
@@ -34,12 +35,15 @@ pub mod once;
 mod parameters;
 mod plane;
 mod reading;
+mod resampling;
+mod review;
 mod saved_tiles;
 mod scan;
 mod scan_match;
 mod scan_parameters;
 mod sensor;
 mod simd;
+mod sleep;
 mod slip;
 mod summary;
 #[cfg(test)]
