@@ -4,7 +4,7 @@ use rpl_drawing::{Dots, Figure, FloorPlan, Mark, MarkKind, TrackKind};
 use rpl_robot::geometry::Point;
 use rpl_robot::world::World;
 use rpl_rupart::places::Places;
-use rpl_rupart::routes::{Route, Stop};
+use rpl_rupart::route::{Route, Stop};
 
 /// A building with its places, what is adjacent, and the landmarks; the regions of influence are its rooms.
 pub fn building(world: &World, places: &Places) -> String {

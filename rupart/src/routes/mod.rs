@@ -13,7 +13,6 @@ mod tests;
 mod travel_times;
 mod underway;
 
-pub use crate::route::{Route, Stop, Waypoint};
 pub use adapted::Adapted;
 pub use competence::{Competence, competences, reachability};
 pub use detour::{Blockage, BlockedAt, Detour};

@@ -2,6 +2,7 @@ use super::*;
 use crate::memory::{CaseMemory, CaseNumber};
 use crate::places::tests::{places_in_a_row, random_places};
 use crate::places::{PlaceId, Places};
+use crate::route::{Route, Stop};
 use crate::similarity::{Scales, Similarity};
 use rpl_random::Stream;
 use rpl_robot::geometry::Point;
