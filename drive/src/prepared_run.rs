@@ -37,20 +37,27 @@ pub struct PreparedRun {
     pub pace: Pace,
     /// What is kept of it.
     pub records: Records,
+    /// The lines to its host, if that is not our simulator.
+    pub host_lines: Option<HostLines>,
+    /// Its modules in other processes.
+    pub modules: Modules,
+    /// What is written of it when it has ended.
+    pub written_at_end: WrittenAtEnd,
+    /// Since when there is something to do.
+    pub began: Instant,
+}
+
+/// What is written of a run when it has ended, beside what is kept of it meanwhile: nothing, if nobody asks.
+#[derive(Default)]
+pub struct WrittenAtEnd {
     /// Where what the robot remembers goes.
     pub cases: Option<KeptCases>,
     /// Where figures go.
     pub figures: Option<OutputFolder>,
     /// Whether all that was considered at a choice is drawn, too.
     pub draws_choices: bool,
-    /// The lines to its host, if that is not our simulator.
-    pub host_lines: Option<HostLines>,
-    /// Its modules in other processes.
-    pub modules: Modules,
     /// Whether a summary is written to standard output.
     pub json: bool,
-    /// Since when there is something to do.
-    pub began: Instant,
 }
 
 impl PreparedRun {
@@ -72,10 +79,11 @@ impl PreparedRun {
         if let Some(recorder) = &self.records.recorder {
             recorder.finish().context("the recording cannot be written")?;
         }
-        if let (Some(folder), Some(world)) = (&mut self.figures, &self.world) {
+        if let (Some(folder), Some(world)) = (&mut self.written_at_end.figures, &self.world) {
             let radius_m = self.site.office().map_or(0.0, |office| office.limits.robot_radius_m);
             let (observed, belief) = (&self.records.observed, self.system.outside.belief());
-            figures::write_mission(folder, world, radius_m, observed, belief.as_ref(), self.draws_choices)?;
+            let draws_choices = self.written_at_end.draws_choices;
+            figures::write_mission(folder, world, radius_m, observed, belief.as_ref(), draws_choices)?;
         }
         self.records.onlookers().try_for_each(|onlooker| onlooker.ends())?;
         if let Some(steering) = &mut self.records.steering {
@@ -88,7 +96,7 @@ impl PreparedRun {
         if let Some(journal) = &self.records.journal {
             journal.told_at_end().inspect(|told| console.note(told));
         }
-        if self.json {
+        if self.written_at_end.json {
             console.print(&summary.as_json()?)?;
         }
         console.flush()?;
@@ -104,7 +112,7 @@ impl PreparedRun {
 
     /// Writes what the robot remembers, however the run has ended.
     fn keep_cases(&mut self) -> Result<()> {
-        match (self.cases.take(), self.system.outside.case_memory()) {
+        match (self.written_at_end.cases.take(), self.system.outside.case_memory()) {
             (Some(cases), Some(memory)) => cases.write(memory),
             _ => Ok(()),
         }

@@ -9,7 +9,7 @@ use rpl_drive::journal::{
     self, Change, DriverState, EndKind, GoingOn, JournalEnd, KeptRun, Outside, Resumption, RunJournal,
 };
 use rpl_drive::observed::Observed;
-use rpl_drive::prepared_run::PreparedRun;
+use rpl_drive::prepared_run::{PreparedRun, WrittenAtEnd};
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
 use rpl_drive::trace::TraceFile;
@@ -138,25 +138,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         ..Records::default()
     };
     let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
-    let (figures, draws_choices) = (None, false);
-    let json = arguments.json;
-    let cases = None;
-    PreparedRun {
-        site,
-        world,
-        system,
-        seed,
-        pace,
-        records,
-        cases,
-        figures,
-        draws_choices,
-        host_lines,
-        modules,
-        json,
-        began,
-    }
-    .drive(console)
+    let written_at_end = WrittenAtEnd { json: arguments.json, ..WrittenAtEnd::default() };
+    PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
 }
 
 /// Who moves the robot from now on.

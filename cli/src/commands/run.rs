@@ -9,7 +9,7 @@ use rpl_drive::journal::{KeptRun, KeptText, RunJournal, Writing};
 use rpl_drive::mcap::McapRecording;
 use rpl_drive::observed::Observed;
 use rpl_drive::onlooker::Onlooker;
-use rpl_drive::prepared_run::PreparedRun;
+use rpl_drive::prepared_run::{PreparedRun, WrittenAtEnd};
 use rpl_drive::recorded_run::{RecordedRun, RecordedText};
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
@@ -238,23 +238,8 @@ pub fn run_on(
     let records =
         Records { trace, journal, recorder, pose_every_us, steering, observed, onlookers, ..Records::default() };
     let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
-    let (json, draws_choices) = (output.json, output.choices);
-    PreparedRun {
-        site,
-        world,
-        system,
-        seed,
-        pace,
-        records,
-        cases,
-        figures,
-        draws_choices,
-        host_lines,
-        modules,
-        json,
-        began,
-    }
-    .drive(console)
+    let written_at_end = WrittenAtEnd { cases, figures, draws_choices: output.choices, json: output.json };
+    PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
 }
 
 /// A run at its start.

@@ -9,7 +9,7 @@ use rpl_drive::events;
 use rpl_drive::hosts::{self, Use};
 use rpl_drive::journal::{self, JournalEnd, KeptRun, checkpoint_times};
 use rpl_drive::onlooker::Onlooker;
-use rpl_drive::prepared_run::PreparedRun;
+use rpl_drive::prepared_run::{PreparedRun, WrittenAtEnd};
 use rpl_drive::run_driver::Pace;
 use rpl_drive::run_record::Records;
 use rpl_drive::seen::{Feed, LiveArguments, SeenRun, head, plan_texts, stay, title};
@@ -207,21 +207,6 @@ fn view_journal(arguments: &Arguments, console: &mut Console) -> Result<Status> 
     let onlookers = seen.map(|seen| Box::new(seen) as Box<dyn Onlooker>).into_iter().collect();
     let records = Records { steering, onlookers, ..Records::default() };
     let pace = Pace { until_us: reached_us.or(kept.head.run.until_us), stopped_us: None, factor: None };
-    let (cases, figures, draws_choices, json) = (None, None, false, false);
-    PreparedRun {
-        site,
-        world,
-        system,
-        seed,
-        pace,
-        records,
-        cases,
-        figures,
-        draws_choices,
-        host_lines,
-        modules,
-        json,
-        began,
-    }
-    .drive(console)
+    let written_at_end = WrittenAtEnd::default();
+    PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
 }
