@@ -8,23 +8,23 @@ pub const QUIET: &str = "#5c5f66";
 /// Lines that help the eye.
 pub const GRID: &str = "#d9dade";
 /// What the map does not know.
-pub const UNKNOWN: &str = "#eceae5";
+pub(crate) const UNKNOWN: &str = "#eceae5";
 /// The sheet.
 pub const PAPER: &str = "#ffffff";
 /// Furniture, and its edge.
-pub const FURNITURE: &str = "#d8d0c0";
+pub(crate) const FURNITURE: &str = "#d8d0c0";
 /// The edge of furniture.
-pub const FURNITURE_EDGE: &str = "#8a8272";
+pub(crate) const FURNITURE_EDGE: &str = "#8a8272";
 /// Doors.
-pub const DOOR: &str = "#b07a12";
+pub(crate) const DOOR: &str = "#b07a12";
 /// Landmarks.
-pub const LANDMARK: &str = "#8a4b86";
+pub(crate) const LANDMARK: &str = "#8a4b86";
 /// Where the robot really is.
-pub const TRUTH: &str = "#c44100";
+pub(crate) const TRUTH: &str = "#c44100";
 /// Where it believes it is.
-pub const ESTIMATE: &str = "#0072b2";
+pub(crate) const ESTIMATE: &str = "#0072b2";
 /// The estimate as a band under other lines.
-pub const ESTIMATE_BAND: &str = "#86c5ea";
+pub(crate) const ESTIMATE_BAND: &str = "#86c5ea";
 /// What it wants.
 pub const TARGET: &str = "#00765a";
 /// Names of places, and what links them.
@@ -40,7 +40,8 @@ pub const HALLWAY: &str = "#7fcfb9";
 pub const FOYER: &str = "#cc79a7";
 
 /// From hardly likely to certain: one hue, each step darker than the one before.
-pub const SHADES: [&str; 8] = ["#e6e3f1", "#d0cce6", "#b4aed6", "#978dc4", "#7b69af", "#603f97", "#46197b", "#2a0653"];
+pub(crate) const SHADES: [&str; 8] =
+    ["#e6e3f1", "#d0cce6", "#b4aed6", "#978dc4", "#7b69af", "#603f97", "#46197b", "#2a0653"];
 
 /// Lines of a chart, one after the other.
 pub const SERIES: [&str; 6] = ["#0072b2", "#c44100", "#00765a", "#8a4b86", "#b07a12", "#1a1a1a"];

@@ -27,7 +27,7 @@ pub struct ShadeScale {
 
 impl ShadeScale {
     /// A scale is so high.
-    pub const HEIGHT_PX: f64 = 44.0;
+    pub(crate) const HEIGHT_PX: f64 = 44.0;
 
     /// The scale with its left upper corner there.
     pub fn drawn(&self, left_px: f64, top_px: f64) -> Group {
@@ -51,7 +51,7 @@ const LEAST_POWER: f64 = -3.0;
 const STEPS_PER_POWER: f64 = 2.0;
 
 /// The scale of beliefs.
-pub fn belief_scale() -> ShadeScale {
+pub(crate) fn belief_scale() -> ShadeScale {
     let powers = STEPS as f64 / STEPS_PER_POWER;
     let tick = |power: f64| (power * STEPS_PER_POWER, format!("{}", libm::exp10(LEAST_POWER + power)));
     let ticks = (0..=powers as usize).map(|power| tick(power as f64)).collect();
@@ -65,7 +65,7 @@ fn belief_step(per_m2: f64) -> Option<usize> {
 }
 
 /// A belief as darkness.
-pub fn belief(belief: &PositionBelief, frame: Frame) -> Group {
+pub(crate) fn belief(belief: &PositionBelief, frame: Frame) -> Group {
     let raster = Raster {
         origin_in_map: belief.origin_in_map,
         resolution_m: belief.resolution_m,
@@ -78,7 +78,7 @@ pub fn belief(belief: &PositionBelief, frame: Frame) -> Group {
 }
 
 /// Cells in their steps of darkness, `steps[row][column]`, row-major.
-pub fn shaded(raster: &Raster, steps: &[Option<usize>], frame: Frame) -> Group {
+pub(crate) fn shaded(raster: &Raster, steps: &[Option<usize>], frame: Frame) -> Group {
     let mut group = Group::new();
     for (step, colour) in palette::SHADES.iter().enumerate() {
         let path = raster.path(frame, |column, row| steps[row * raster.columns + column] == Some(step));

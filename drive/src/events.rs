@@ -12,7 +12,7 @@ pub fn detail<'e>(event: &'e Event, name: &str) -> &'e str {
 }
 
 /// Whether active localization was started.
-pub fn is_relocalization(event: &Event) -> bool {
+pub(crate) fn is_relocalization(event: &Event) -> bool {
     event.kind == EventKind::Behaviour
         && detail(event, "behaviour") == ACTIVE_LOCALIZATION
         && detail(event, "what") == "activated"
@@ -101,7 +101,7 @@ fn lines(events: &[Event], is_lost: bool) -> Vec<(u64, ToldLine)> {
 }
 
 /// What the robot or the scenario reports: "certainty 0.31 – position lost".
-pub fn report(event: &Event) -> String {
+pub(crate) fn report(event: &Event) -> String {
     let what = visible(detail(event, "what"));
     let told = |(name, value): &(String, String)| visible(&format!("{name} {value}")).into_owned();
     let details: Vec<String> = event.details.iter().skip(1).map(told).collect();

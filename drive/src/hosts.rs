@@ -83,7 +83,7 @@ pub struct HostLines {
 
 impl HostLines {
     /// Where the run first wanted to tell the host something else than it did, if it did.
-    pub fn divergence(&self) -> Option<Divergence> {
+    pub(crate) fn divergence(&self) -> Option<Divergence> {
         self.host.divergence()
     }
 
@@ -242,7 +242,7 @@ pub fn heard(host: Option<&HostHeard>, turns: &RecordedTurns) -> Result<HostSour
 }
 
 /// Where a run left its recording, for a person: when, and what it did then and now.
-pub fn astray(divergence: &Divergence, period_us: u64) -> String {
+pub(crate) fn astray(divergence: &Divergence, period_us: u64) -> String {
     let Divergence { turn, recorded, now } = divergence;
     let time_s = (*turn * period_us) as f64 / 1e6;
     let (recorded, now) = first_difference(recorded, now);

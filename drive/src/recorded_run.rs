@@ -102,14 +102,14 @@ impl RecordedText {
     }
 
     /// A world, with all that was read from other files.
-    pub fn of_world(name: &str, world: &World) -> Self {
+    pub(crate) fn of_world(name: &str, world: &World) -> Self {
         // Whatever makes two worlds different is written here.
         let bytes = serde_json::to_vec(world).unwrap_or_default();
         Self { name: name.to_string(), checksum: crc32fast::hash(&bytes) }
     }
 
     /// A robot.
-    pub fn of_robot(name: &str, robot: &RobotDescription) -> Self {
+    pub(crate) fn of_robot(name: &str, robot: &RobotDescription) -> Self {
         let bytes = serde_json::to_vec(robot).unwrap_or_default();
         Self { name: name.to_string(), checksum: crc32fast::hash(&bytes) }
     }

@@ -136,7 +136,7 @@ pub fn reliability(bins: &[Bin]) -> String {
 }
 
 /// Something over time.
-pub struct Curve<'a> {
+pub(crate) struct Curve<'a> {
     /// What it is called.
     pub name: &'a str,
     /// In the order of time.
@@ -145,7 +145,7 @@ pub struct Curve<'a> {
 
 /// Something at a time, with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvePoint {
+pub(crate) struct CurvePoint {
     /// When.
     pub time_s: f64,
     /// What it is.
@@ -158,7 +158,7 @@ pub struct CurvePoint {
 
 /// The mean distance from the estimate to the truth over time, with 95 % intervals; runs that have ended
 /// keep their last error. None where nothing had an estimate.
-pub fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
+pub(crate) fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
     let points = rows.iter().filter_map(|(_, over_time)| over_time.error_points()).max()?;
     let over = |over_time: &OverTime| {
         let at = |point: usize| around((point * EVERY_S) as f64, over_time.error_m(point));
@@ -169,7 +169,7 @@ pub fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
 }
 
 /// The share of the runs that have succeeded by a time, with 95 % intervals.
-pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
+pub(crate) fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
     let latest_s = rows.iter().map(|(_, row)| row.latest_s).fold(1.0, f64::max);
     let line = |row: &OverTime| -> Vec<CurvePoint> {
         let point = |point: usize| {
@@ -188,7 +188,7 @@ pub fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
 }
 
 /// Lines over time with their intervals as bands, and their names; up to a round number, at least `least`.
-pub fn over_time(title: &str, up: &str, least: f64, lines: &[Curve<'_>]) -> String {
+pub(crate) fn over_time(title: &str, up: &str, least: f64, lines: &[Curve<'_>]) -> String {
     let points = || lines.iter().flat_map(|line| &line.points);
     let highest = points().map(|point| point.high).fold(least, f64::max);
     let latest = points().map(|point| point.time_s).fold(1.0, f64::max);
@@ -260,7 +260,7 @@ fn band(axes: &Axes, points: &[CurvePoint], colour: &str) -> Path {
 }
 
 /// The mean of some numbers at a time.
-pub fn point(time_s: f64, numbers: &[f64]) -> CurvePoint {
+pub(crate) fn point(time_s: f64, numbers: &[f64]) -> CurvePoint {
     around(time_s, Summary::of(numbers).map_or((0.0, 0.0), |summary| (summary.spread.mean, summary.half_95)))
 }
 

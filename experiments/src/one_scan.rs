@@ -51,17 +51,17 @@ const WORLDS: [&str; 12] = [
 ];
 
 /// What can be asked for with `--row`.
-pub fn row_names() -> Vec<&'static str> {
+pub(crate) fn row_names() -> Vec<&'static str> {
     WORLDS.to_vec()
 }
 
 /// Scans from random poses, world by world.
-pub struct OneScans {
+pub(crate) struct OneScans {
     worlds: Vec<String>,
 }
 
 /// A building, and what scans in it are compared with.
-pub struct Building {
+pub(crate) struct Building {
     ground: TrialGround,
     locator: ScanLocator,
     sensor: TrialSensor,

@@ -34,7 +34,7 @@ pub fn build(setup: Setup, scenario: Option<PlanText>, modules: Vec<ModuleSource
 ///
 /// # Errors
 /// There is a scenario.
-pub fn without_robot(scenario: Option<&PlanText>) -> Result<Site> {
+pub(crate) fn without_robot(scenario: Option<&PlanText>) -> Result<Site> {
     match scenario {
         Some(scenario) => bail!(needs_robot(scenario)),
         None => Ok(Site::without_robot()?),

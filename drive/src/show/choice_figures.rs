@@ -14,7 +14,7 @@ const APART_M: f64 = 2.0;
 
 /// The next best targets that are apart from each other and from the chosen one, the best first, and how much less they
 /// pay, in nats. Cost: the cells, for each.
-pub fn alternatives(choice: &Choice, field: &ActionField) -> Vec<(Point, f64)> {
+pub(crate) fn alternatives(choice: &Choice, field: &ActionField) -> Vec<(Point, f64)> {
     let mut found = vec![choice.target_in_base];
     let mut others = Vec::new();
     let pays = |cell: usize| f64::from(field.payoff[cell]);

@@ -70,7 +70,7 @@ pub fn world(world: &World) -> String {
 ///
 /// # Errors
 /// A drawing cannot be written.
-pub fn write_mission(
+pub(crate) fn write_mission(
     folder: &mut OutputFolder,
     world: &World,
     robot_radius_m: f64,

@@ -12,7 +12,7 @@ pub mod figures;
 pub mod map;
 pub mod place_figures;
 pub mod projection;
-pub mod revision_story;
+mod revision_story;
 pub mod service;
 pub mod situation;
 pub mod summary;

@@ -79,7 +79,7 @@ pub struct ValveStanding {
 impl ValveStanding {
     /// The tasks that have it now, one for each place that is not free. While hooks of an interruption run, who had it
     /// last.
-    pub fn having(&self) -> Vec<&String> {
+    pub(crate) fn having(&self) -> Vec<&String> {
         let interrupted: BTreeSet<&str> = self.interrupted.iter().map(String::as_str).collect();
         let is_interrupted = |path: &str| paths_above(path).any(|above| interrupted.contains(above));
         let having: BTreeSet<&String> = self.holders.iter().filter(|holder| !is_interrupted(holder)).collect();
@@ -220,7 +220,7 @@ impl Situation {
 
     /// Forgets what has ended and what was decided once it is more than this: who only follows what stands where need not
     /// keep all that has been.
-    pub fn forget_past(&mut self, most: usize) {
+    pub(crate) fn forget_past(&mut self, most: usize) {
         if self.ended.len() > 2 * most {
             let gone = self.ended.len() - most;
             self.ended.drain(..gone);
@@ -335,7 +335,7 @@ impl Situation {
     }
 
     /// The living task a path lies in: the path itself, or what is left without its last calls.
-    pub fn owner(&self, path: &str) -> Option<String> {
+    pub(crate) fn owner(&self, path: &str) -> Option<String> {
         let mut at = path;
         loop {
             if self.tasks.contains_key(at) {
@@ -373,7 +373,7 @@ fn paths_above(path: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Whether a path is another, or lies below it.
-pub fn is_within(path: &str, above: &str) -> bool {
+pub(crate) fn is_within(path: &str, above: &str) -> bool {
     path.strip_prefix(above).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 

@@ -99,7 +99,7 @@ fn measures(machine: &Machine) -> Map<String, Value> {
 }
 
 /// Tells a person how it went.
-pub fn report(system: &System<Robot>, ending: RunEnd, summary: &RunSummary, console: &mut Console) {
+pub(crate) fn report(system: &System<Robot>, ending: RunEnd, summary: &RunSummary, console: &mut Console) {
     if let RunEnd::Outcome(Outcome::Failed(failure)) = ending {
         let text = reporter(system, console).text(PLAN_FAILED, failure);
         console.note(text.trim_end());

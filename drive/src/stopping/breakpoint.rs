@@ -95,7 +95,7 @@ impl Breakpoint {
     }
 
     /// Notes whether the condition holds; tells whether it has become true.
-    pub fn becomes(&mut self, holds: bool) -> bool {
+    pub(crate) fn becomes(&mut self, holds: bool) -> bool {
         match self {
             Self::Condition { held, .. } => !std::mem::replace(held, holds) && holds,
             Self::Name(_) | Self::Line(..) | Self::Failure => false,
@@ -120,7 +120,7 @@ impl Breakpoint {
     }
 
     /// Whether it is a place in a text, for which the run must be looked at form by form.
-    pub fn is_place(&self) -> bool {
+    pub(crate) fn is_place(&self) -> bool {
         matches!(self, Self::Name(_) | Self::Line(..))
     }
 }

@@ -3,5 +3,6 @@
 mod file;
 mod reader;
 
-pub use file::{Header, TraceFile, TracedPose, VERSION, line};
+pub use file::{Header, TraceFile, TracedPose};
+pub(crate) use file::{VERSION, line};
 pub use reader::{TraceLine, TraceReader};

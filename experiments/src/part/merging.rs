@@ -126,7 +126,7 @@ impl Parts {
     }
 
     /// The parts that have no run that the others do not have.
-    pub fn doubled(&self) -> Vec<&str> {
+    pub(crate) fn doubled(&self) -> Vec<&str> {
         let series = self.parts.iter().map(Part::series).max().unwrap_or(0);
         // A shard of fewer runs than shards may be empty.
         let is_empty = |part: &Part| (0..series).all(|series| part.runs(series).is_empty());

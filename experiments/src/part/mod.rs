@@ -5,11 +5,11 @@
 //! with which checksum ([`PartEnd`]); between them stands a line for each run, series by series, in the order of the runs.
 //! `writer` writes one, `reader` reads one, `merging` goes through several as if they were one.
 
-pub mod identity;
+pub(crate) mod identity;
 pub mod merging;
-pub mod reader;
+mod reader;
 pub mod shard;
-pub mod writer;
+pub(crate) mod writer;
 
 use identity::Input;
 use serde::{Deserialize, Serialize};

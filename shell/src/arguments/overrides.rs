@@ -18,7 +18,7 @@ const DEFINITIONS: &[&str] = &["defvar", "defconstant", "def-fluent", "global-fl
 
 /// One `NAME=EXPR`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Override {
+pub(crate) struct Override {
     name: String,
     expression: String,
     used: bool,
@@ -123,7 +123,7 @@ impl Overrides {
 }
 
 /// The names in a text that can be overridden, in the order of their definitions.
-pub fn definitions(text: &str) -> Vec<String> {
+pub(crate) fn definitions(text: &str) -> Vec<String> {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
     let (roots, _) = read(text, SourceId(0), &mut symbols, &mut tree);
     roots.iter().filter_map(|&root| Some(definition(&tree, &symbols, root)?.0.to_string())).collect()

@@ -56,7 +56,7 @@ pub type Identity = (u64, u64);
 pub type Identity = PathBuf;
 
 /// The identity of a file; none of what is not there, or is a pipe or a device.
-pub fn identity(path: &Path) -> Option<Identity> {
+pub(crate) fn identity(path: &Path) -> Option<Identity> {
     let known = path.metadata().ok().filter(std::fs::Metadata::is_file)?;
     #[cfg(unix)]
     {
@@ -93,7 +93,7 @@ pub fn files() -> Vec<PathBuf> {
 ///
 /// # Errors
 /// One clause that says why not.
-pub fn world_text(path: &Path) -> Result<String, String> {
+pub(crate) fn world_text(path: &Path) -> Result<String, String> {
     text_of(read_bytes(path, WORLD_BYTES)?)
 }
 

@@ -16,7 +16,7 @@ pub fn choose(asked: clap::ColorChoice) {
 }
 
 /// Whether a stream takes colours.
-pub fn is_taken_by(stream: &impl RawStream) -> bool {
+pub(crate) fn is_taken_by(stream: &impl RawStream) -> bool {
     AutoStream::choice(stream) != ColorChoice::Never
 }
 

@@ -3,7 +3,7 @@
 use ::console::{measure_text_width, strip_ansi_codes, truncate_str};
 
 /// How much further in a line goes on that does not fit, where nothing else is said.
-pub const HANGING: usize = 4;
+pub(crate) const HANGING: usize = 4;
 
 /// Help is never wider, however wide the terminal.
 pub const HELP_COLUMNS: usize = 100;
@@ -11,7 +11,7 @@ pub const HELP_COLUMNS: usize = 100;
 /// A text whose lines fit a width. A longer line goes on below, some columns further in than it begins, and is broken
 /// between words, or at a `/` where one word alone is too long. A drawing is cut off. Laid out once more, nothing
 /// changes.
-pub fn within(text: &str, width: usize, hanging: usize) -> String {
+pub(crate) fn within(text: &str, width: usize, hanging: usize) -> String {
     let lines: Vec<String> = text.split('\n').map(|line| line_within(line, width, hanging)).collect();
     lines.join("\n")
 }

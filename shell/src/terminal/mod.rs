@@ -5,5 +5,5 @@ pub mod console;
 pub mod layout;
 pub mod page;
 pub mod progress;
-pub mod status_line;
+mod status_line;
 pub mod table;
