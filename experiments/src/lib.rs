@@ -14,7 +14,7 @@
 //! - `statistics`, `numbers`, `samples`, `reliability`, `over_time`, `failed_runs`, `chart`, `means_chart`: figures made of their
 //!   records;
 //! - `quantity`, `trial`, `row_result`, `missions`, `calibration`, `day`: missions over seeds;
-//! - `variants`: a plan of one's own, and variants of it beside each other;
+//! - `experiment_file`, `variants`: a plan of one's own, and variants of it beside each other;
 //! - `catalogue`: rows of experiments that are missions; those that are none have a file or a folder of their own;
 //! - `registry`: the experiments with a name.
 
@@ -32,6 +32,7 @@ mod day;
 mod doors;
 mod drive_times;
 mod errands;
+pub mod experiment_file;
 mod failed_runs;
 mod findings;
 mod foresight;
@@ -56,7 +57,7 @@ mod seeds;
 mod sensing;
 pub mod statistics;
 mod trial;
-pub mod variants;
+mod variants;
 mod worlds;
 
 pub use conduct::{Conduct, RunSource};

@@ -1,6 +1,6 @@
 //! What is asked of an experiment.
 
-use crate::variants::file::ExperimentFile;
+use crate::experiment_file::ExperimentFile;
 use anyhow::Result;
 use rpl_lang::suggest::suggest;
 use rpl_mission::site::{Setup, Site};

@@ -1,7 +1,7 @@
 //! Sites as the command builds them: who waits for a large world is told so before, and what is wrong
 //! comes with the options that help.
 
-use crate::arguments::overrides::{Overrides, OverridingLoader};
+use crate::files::overrides::{Overrides, OverridingLoader};
 use crate::files::plans::PlanText;
 use crate::terminal::console;
 use anyhow::{Result, bail};

@@ -1,6 +1,5 @@
 //! Experiments of one's own: a plan over many seeds, or variants of it beside each other, with the same seeds.
 
-pub mod file;
 mod paired;
 mod variant;
 

@@ -1,6 +1,6 @@
 //! Variants: the ways in which the missions of an experiment of one's own differ.
 
-use super::file::ExperimentFile;
+use crate::experiment_file::{ExperimentFile, FileVariant};
 use crate::request::ExperimentRequest;
 use anyhow::{Result, bail};
 use rpl_robot::description::RobotDescription;
@@ -71,7 +71,7 @@ impl Variant {
 
     fn of_file(request: &ExperimentRequest, file: &ExperimentFile) -> Result<Vec<Self>> {
         let variants = file.variants()?;
-        let of_file = |variant: super::file::FileVariant| {
+        let of_file = |variant: FileVariant| {
             let robot = match variant.robot.filter(|_| request.robot_name.is_none()) {
                 Some(robot) => robot_files::named(Some(&robot))?,
                 None => request.robot.clone(),

@@ -1,7 +1,7 @@
 //! What a shell completes on the command line: worlds, plans and names, each where
 //! it fits.
 
-use crate::arguments::overrides;
+use crate::files::overrides;
 use crate::files::{plans, world_files};
 use clap::builder::StyledStr;
 use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};

@@ -5,7 +5,6 @@ pub mod completion;
 pub mod duration;
 pub mod journal;
 pub mod numbers;
-pub mod overrides;
 pub mod plan_files;
 pub mod site;
 pub mod token;

@@ -8,6 +8,7 @@ pub mod inputs;
 pub mod maps;
 pub mod module_files;
 pub mod outputs;
+pub mod overrides;
 pub mod plans;
 pub mod project_file;
 pub mod robot_files;
