@@ -25,8 +25,9 @@ pub fn cdr<M: Message + Serialize>(message: &M) -> Vec<u8> {
     [&ENCAPSULATION[..], &body].concat()
 }
 
-/// A message from such bytes; none if they are of another kind, or end too early.
+/// A message from such bytes; none if they are of another kind, or end too early. Options are not asked: some
+/// middleware counts there the bytes that fill up the last word (RTPS 2.5, 10.2).
 pub fn from_cdr<M: Message + serde::de::DeserializeOwned>(bytes: &[u8]) -> Option<M> {
-    let body = bytes.strip_prefix(&ENCAPSULATION)?;
+    let [0, 1, _, _, body @ ..] = bytes else { return None };
     cdr_encoding::from_bytes::<M, LittleEndian>(body).ok().map(|(message, _)| message)
 }

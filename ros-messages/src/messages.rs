@@ -349,6 +349,10 @@ mod tests {
         let bytes = crate::cdr(&grid);
         assert_eq!(bytes[..4], [0, 1, 0, 0]);
         assert_eq!(bytes[bytes.len() - 7..], [3, 0, 0, 0, 0xff, 0, 100]);
-        assert_eq!(crate::from_cdr(&bytes), Some(grid));
+        assert_eq!(crate::from_cdr(&bytes), Some(grid.clone()));
+        // What fills up the last word is counted in the options.
+        let filled = [&[0, 1, 0, 1], &bytes[4..], &[0]].concat();
+        assert_eq!(crate::from_cdr(&filled), Some(grid));
+        assert_eq!(crate::from_cdr::<OccupancyGrid>(&[&[0, 0, 0, 0], &bytes[4..]].concat()), None);
     }
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const WIDTH: usize = 60;
 const HEIGHT: usize = 40;
@@ -23,7 +23,7 @@ fn is_wall(column: usize, row: usize) -> bool {
 }
 
 /// The distance to a wall, in steps of a centimetre.
-fn range_m(x_m: f64, y_m: f64, angle_rad: f64) -> f64 {
+pub fn range_m(x_m: f64, y_m: f64, angle_rad: f64) -> f64 {
     let mut range_m = 0.0;
     let wall_at = |range_m: f64| {
         let (x, y) = (x_m + range_m * angle_rad.cos(), y_m + range_m * angle_rad.sin());
@@ -57,16 +57,21 @@ fn log() -> String {
 /// A folder with a map and a log.
 fn folder_of_drive(name: &str) -> PathBuf {
     let folder = folder(name);
+    put_room(&folder);
+    put(&folder, "drive.log", log());
+    folder
+}
+
+/// Writes the map of the room into a folder.
+pub fn put_room(folder: &Path) {
     let mut image = format!("P5\n# a room\n{WIDTH} {HEIGHT}\n255\n").into_bytes();
     for row in (0..HEIGHT).rev() {
         image.extend((0..WIDTH).map(|column| if is_wall(column, row) { 0 } else { 254 }));
     }
-    put(&folder, "room.pgm", image);
+    put(folder, "room.pgm", image);
     let yaml = "image: room.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n\
                 occupied_thresh: 0.65\nfree_thresh: 0.196\n";
-    put(&folder, "map.yaml", yaml);
-    put(&folder, "drive.log", log());
-    folder
+    put(folder, "map.yaml", yaml);
 }
 
 const DRIVE: [&str; 5] = ["localize", "--map", ".", "--log", "drive.log"];

@@ -38,6 +38,7 @@ mod parts;
 mod pipes;
 mod plan_files;
 mod prompt;
+mod recordings;
 mod robots;
 mod rpl;
 mod run;

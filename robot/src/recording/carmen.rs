@@ -76,7 +76,7 @@ impl Recording {
         }
         let (geometry, scans) = read.ok_or_else(|| no_scans(skipped))?;
         let scans = reckoning.scans(scans, mount.laser_in_base)?;
-        Self { geometry, scans }.with_odometry()
+        Self { geometry, range_m: None, scans }.with_odometry()
     }
 }
 

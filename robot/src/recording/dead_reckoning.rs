@@ -1,6 +1,7 @@
 //! Where a drive was by dead reckoning: as its scans say, or as messages between them do.
 
 use super::drive::{LogError, Scan};
+use super::track::Track;
 use crate::geometry::{Pose, wrap_angle_rad};
 
 /// Poses nearer than this, in each of their numbers, are one pose that was written down with more or fewer digits.
@@ -47,7 +48,7 @@ impl DeadReckoning {
     ///
     /// # Errors
     /// There are no messages where they are needed, or none at the time of two scans.
-    pub(super) fn scans(mut self, read: Vec<Reckoned>, laser_in_base: Pose) -> Result<Vec<Scan>, LogError> {
+    pub(super) fn scans(self, read: Vec<Reckoned>, laser_in_base: Pose) -> Result<Vec<Scan>, LogError> {
         let first_line = read.first().map(|scan| scan.line);
         let is_own = !read.iter().all(|scan| is_same(scan.robot_in_odom, scan.laser_in_map));
         if !is_own && self.poses.is_empty() {
@@ -60,11 +61,12 @@ impl DeadReckoning {
                         .to_string(),
             });
         }
-        self.poses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let messages = Track::new(self.poses);
         let scan = |scan: Reckoned| {
-            let robot_in_odom = if is_own { Some(scan.robot_in_odom) } else { self.at(scan.stamp_s?) };
+            let robot_in_odom = if is_own { Some(scan.robot_in_odom) } else { messages.at(scan.stamp_s?) };
             Some(Scan {
                 line: scan.line,
+                stamp_s: scan.stamp_s,
                 ranges_m: scan.ranges_m,
                 laser_in_map: scan.laser_in_map,
                 laser_in_odom: robot_in_odom?.compose(laser_in_base),
@@ -80,23 +82,5 @@ impl DeadReckoning {
             }),
             _ => Ok(scans),
         }
-    }
-
-    /// The pose at a time, on the way between the messages before and after it.
-    fn at(&self, stamp_s: f64) -> Option<Pose> {
-        let after = self.poses.partition_point(|(time_s, _)| *time_s < stamp_s);
-        let (after_s, after_in_odom) = *self.poses.get(after)?;
-        if after_s == stamp_s {
-            return Some(after_in_odom);
-        }
-        let (before_s, before_in_odom) = *self.poses.get(after.checked_sub(1)?)?;
-        let share = (stamp_s - before_s) / (after_s - before_s);
-        let between = |from: f64, to: f64| from + share * (to - from);
-        let turn_rad = wrap_angle_rad(after_in_odom.heading_rad - before_in_odom.heading_rad);
-        Some(Pose::new(
-            between(before_in_odom.x_m, after_in_odom.x_m),
-            between(before_in_odom.y_m, after_in_odom.y_m),
-            before_in_odom.heading_rad + share * turn_rad,
-        ))
     }
 }

@@ -65,8 +65,10 @@ impl ScanGeometry {
 /// One scan and where it was taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
-    /// Its line in the log, from 1.
+    /// Its line in the log, or its number among the scans, from 1.
     pub line: usize,
+    /// When it was taken, by the clock of the recording, if that is known.
+    pub stamp_s: Option<f64>,
     /// Readings, from right to left.
     pub ranges_m: Vec<f32>,
     /// Where the laser was: the log's corrected pose.
@@ -80,6 +82,8 @@ pub struct Scan {
 pub struct Recording {
     /// Where the readings point; the same for all scans.
     pub geometry: ScanGeometry,
+    /// How far the laser sees, if the log says so: a reading of this is one without an echo.
+    pub range_m: Option<f64>,
     /// In order of time.
     pub scans: Vec<Scan>,
 }
@@ -93,7 +97,7 @@ impl Recording {
         if scans.is_empty() {
             return Err(LogError { line: None, message: "there are no scans".to_string() });
         }
-        Self { geometry, scans }.with_odometry()
+        Self { geometry, range_m: None, scans }.with_odometry()
     }
 
     /// Length of the corrected path up to each scan.
@@ -116,9 +120,9 @@ impl Recording {
         match (moves(|scan| scan.laser_in_map), moves(|scan| scan.laser_in_odom)) {
             (true, true) => Ok(self),
             (true, false) => whole(
-                "the log has no odometry: its second poses (odom_x odom_y odom_theta) never change while the robot moves",
+                "the log has no odometry: its poses (odom_x odom_y odom_theta of CARMEN) never change while the robot moves",
             ),
-            (false, _) => whole("the robot never moves in this log: all corrected poses (x y theta) are the same"),
+            (false, _) => whole("the robot never moves in this log: all corrected poses are the same"),
         }
     }
 }

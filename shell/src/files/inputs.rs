@@ -2,7 +2,6 @@
 //! over it.
 
 use anyhow::{Context, Result, anyhow, bail};
-use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -29,22 +28,27 @@ pub fn read_text(path: &Path) -> Result<String, String> {
     text_of(read_bytes(path, MAX_BYTES)?)
 }
 
-/// How a file begins that is packed by gzip.
-const GZIP: &[u8] = &[0x1f, 0x8b];
+/// How many bytes of a file say what it is.
+pub const HEAD_BYTES: usize = 512;
 
-/// A file as text, also one that is packed by gzip.
+/// The first bytes of what is read, at most [`HEAD_BYTES`].
 ///
 /// # Errors
-/// One clause that says why not.
-pub fn packed_text(path: &Path) -> Result<String, String> {
-    let bytes = read_bytes(path, MAX_BYTES)?;
-    if !bytes.starts_with(GZIP) {
-        return text_of(bytes);
-    }
-    let mut text = Vec::new();
-    let unpacked = MultiGzDecoder::new(&bytes[..]).take(MAX_BYTES + 1).read_to_end(&mut text);
-    unpacked.map_err(|error| format!("it is packed by gzip, and damaged ({error})"))?;
-    within_limit(text, MAX_BYTES).map_err(|reason| format!("unpacked, {reason}")).and_then(text_of)
+/// It cannot be read.
+pub fn head_of(from: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    from.take(HEAD_BYTES as u64).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+/// All of it behind its head, at most `most` bytes; or a clause that says that it is longer.
+///
+/// # Errors
+/// It cannot be read.
+pub fn whole(head: Vec<u8>, from: &mut impl Read, most: u64) -> io::Result<Result<Vec<u8>, String>> {
+    let mut bytes = head;
+    from.take((most + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
+    Ok(within_limit(bytes, most))
 }
 
 /// What makes a file the same under whatever name.

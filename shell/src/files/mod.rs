@@ -9,6 +9,7 @@ pub mod maps;
 pub mod module_files;
 pub mod outputs;
 pub mod overrides;
+pub mod packed;
 pub mod plans;
 pub mod project_file;
 pub mod robot_files;

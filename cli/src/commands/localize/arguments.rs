@@ -1,11 +1,14 @@
 //! The arguments of `rpl localize`.
 
+use super::topics::Wanted;
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
+use rpl_lang::visible::visible;
 use rpl_robot::geometry::Pose;
 use rpl_robot::recording::{FirstReading, LaserMount, TrialStart};
 use rpl_shell::arguments::completion;
 use rpl_shell::arguments::numbers::{number, positive};
+use rpl_shell::files::shown::Shown;
 use std::path::PathBuf;
 
 /// Windows, if nobody says how many.
@@ -15,12 +18,25 @@ pub const WINDOWS: usize = 20;
 #[derive(clap::Args, Clone, Debug)]
 pub struct Arguments {
     /// Map of the ROS map_server: its YAML file, or a folder with a map.yaml
-    #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps))]
-    pub map: PathBuf,
-    /// CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses, also as .gz; or an MCAP recording with
-    /// /scan, /odom, and /ground_truth or /pose
-    #[arg(long, value_name = "LOG", value_hint = ValueHint::FilePath)]
+    #[arg(long, value_name = "MAP", add = ArgValueCompleter::new(completion::maps), required_unless_present = "world")]
+    pub map: Option<PathBuf>,
+    /// World whose map it is, instead of a map: for recordings of `rpl run --mcap`
+    #[arg(long, value_name = "W", add = ArgValueCompleter::new(completion::worlds), conflicts_with = "map")]
+    pub world: Option<String>,
+    /// CARMEN log with FLASER or ROBOTLASER1 messages and corrected poses, or an MCAP recording with scans, odometry
+    /// and corrected poses; either also packed. Or a folder with MCAP, as `ros2 bag record` makes it
+    #[arg(long, value_name = "LOG", value_hint = ValueHint::AnyPath)]
     pub log: PathBuf,
+    /// Topic of the scans in an MCAP recording (default: the only LaserScan, or /scan)
+    #[arg(long, value_name = "TOPIC")]
+    pub scan: Option<String>,
+    /// Topic of the odometry in an MCAP recording (default: the only Odometry, or /odom)
+    #[arg(long, value_name = "TOPIC")]
+    pub odom: Option<String>,
+    /// Topic of the corrected poses in an MCAP recording: PoseStamped, PoseWithCovarianceStamped or Odometry (default:
+    /// /ground_truth, /amcl_pose, /pose, or the only one)
+    #[arg(long, value_name = "TOPIC")]
+    pub truth: Option<String>,
     /// Number of beams used of each scan, equally spaced
     #[arg(long, value_name = "N", default_value_t = 24)]
     pub beams: usize,
@@ -99,6 +115,17 @@ impl Arguments {
             (phase * 1e9).round() / 1e9
         };
         (0..self.phases).map(around).collect()
+    }
+
+    /// What the user has said of the topics of a recording.
+    pub fn topics(&self) -> Wanted<'_> {
+        Wanted { scan: self.scan.as_deref(), odom: self.odom.as_deref(), truth: self.truth.as_deref() }
+    }
+
+    /// The map, or the world that has it, as it was named.
+    pub fn map_name(&self) -> String {
+        let world = || visible(self.world.as_deref().unwrap_or_default()).into_owned();
+        self.map.as_ref().map_or_else(world, |map| map.shown())
     }
 
     /// What a log does not say about its laser.

@@ -3,14 +3,19 @@
 mod arguments;
 mod figure;
 mod findings;
+mod log_file;
 mod mcap_log;
+mod mcap_messages;
 mod once;
 mod table;
+mod topics;
 mod windows;
 
 use anyhow::{Context, Result, anyhow, bail};
 pub use arguments::Arguments;
 use findings::Findings;
+use log_file::Log;
+use mcap_log::{McapDrive, McapReader};
 use rpl_experiments::chart;
 use rpl_robot::geometry::Vector;
 use rpl_robot::localization::{Calibration, LocalizationModel, LocalizationParameters};
@@ -19,7 +24,7 @@ use rpl_robot::recording::{BeamChoice, Recording, fit_odometry, fit_sensor, loca
 use rpl_shell::files::maps::MapFile;
 use rpl_shell::files::outputs::{OutputFile, OutputFolder};
 use rpl_shell::files::shown::Shown;
-use rpl_shell::files::{inputs, maps};
+use rpl_shell::files::{inputs, maps, robot_files, world_files};
 use rpl_shell::interrupt;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -31,21 +36,24 @@ use windows::{Placed, Timed, windows};
 /// A log belongs to a map if this share of its poses lies on free space.
 const ON_THE_MAP: f64 = 0.5;
 
+/// Cells of the map of a world, as `rpl worlds --map` writes it.
+const WORLD_CELL_M: f64 = 0.05;
+
 /// Runs the trials, or fits the parameters.
 ///
 /// # Errors
 /// A file that is missing or has faults, a log that does not belong to the map, a grid that does not
 /// fit into memory, no beams or windows, a result that cannot be written.
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
-    let MapFile { grid, warnings } = maps::ros_map(&arguments.map)?;
-    for warning in warnings {
-        console.note(&warning);
-    }
-    let map = grid.around_free();
-    let recording = read_log(arguments)?;
+    let map = map(arguments, console)?.around_free();
+    let recording = read_log(arguments, console)?;
     check_on_map(&recording, &map, arguments)?;
     let beams = BeamChoice::spread(&recording.geometry, arguments.beams)?;
-    let parameters = parameters(arguments, beams.bearings_deg.clone())?;
+    let mut parameters = parameters(arguments, beams.bearings_deg.clone())?;
+    if let Some(range_m) = recording.range_m {
+        let beam = &mut parameters.sensors[0].beam;
+        beam.max_range_m = beam.max_range_m.min(range_m);
+    }
     parameters.check().map_err(|error| anyhow!("{error}"))?;
     if let Some(count) = arguments.once {
         return once::run(arguments, count, &map, &recording, &parameters, console);
@@ -93,21 +101,56 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     Ok(if all_found { Status::Succeeded } else { Status::Failed })
 }
 
+/// The map that is named, or that of the world that is.
+fn map(arguments: &Arguments, console: &mut Console) -> Result<OccupancyGrid> {
+    let Some(path) = &arguments.map else {
+        let world = arguments.world.as_deref().unwrap_or_default();
+        let robot = robot_files::named(None)?;
+        return Ok(world_files::for_all_seeds(world, &robot)?.map(WORLD_CELL_M));
+    };
+    let MapFile { grid, warnings } = maps::ros_map(path)?;
+    for warning in warnings {
+        console.note(&warning);
+    }
+    Ok(grid)
+}
+
 /// Names of the figures.
 const PATHS: &str = "paths.svg";
 const ERRORS: &str = "errors.svg";
 const CERTAINTY: &str = "certainty.svg";
 
-fn read_log(arguments: &Arguments) -> Result<Recording> {
+fn read_log(arguments: &Arguments, console: &mut Console) -> Result<Recording> {
     let name = arguments.log.shown();
-    if mcap_log::is_mcap(&arguments.log) {
-        let bytes = inputs::read_bytes(&arguments.log, mcap_log::MOST_BYTES);
-        let bytes = bytes.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
-        return mcap_log::read(&bytes, arguments.mount).with_context(|| format!("the log `{name}` has a fault"));
+    let fault = || format!("the log `{name}` has a fault");
+    let mut reader = McapReader::default();
+    if arguments.log.is_dir() {
+        for file in log_file::in_folder(&arguments.log)? {
+            match log_file::read(&file)? {
+                Log::Mcap(bytes) => {
+                    reader.read(&bytes).with_context(|| format!("the log `{}` has a fault", file.shown()))?;
+                }
+                Log::Carmen(_) => bail!("`{}` is no MCAP file; name a log, or a folder with MCAP alone", file.shown()),
+            }
+        }
+    } else {
+        match log_file::read(&arguments.log)? {
+            Log::Mcap(bytes) => reader.read(&bytes).with_context(fault)?,
+            Log::Carmen(text) => return carmen(&text, arguments),
+        }
     }
-    let text = inputs::packed_text(&arguments.log);
-    let text = text.map_err(|reason| anyhow!("cannot read the log `{name}`: {reason}"))?;
-    Recording::parse_carmen(&text, &arguments.laser()).map_err(|error| anyhow!("the log `{name}` has a fault: {error}"))
+    let McapDrive { recording, notes } = reader.drive(arguments.topics(), arguments.mount).with_context(fault)?;
+    notes.iter().for_each(|note| console.note(note));
+    Ok(recording)
+}
+
+fn carmen(text: &str, arguments: &Arguments) -> Result<Recording> {
+    let name = arguments.log.shown();
+    let topics = [("--scan", &arguments.scan), ("--odom", &arguments.odom), ("--truth", &arguments.truth)];
+    if let Some((option, _)) = topics.iter().find(|(_, topic)| topic.is_some()) {
+        bail!("`{option}` names a topic, and the log `{name}` is a text of CARMEN, which has none; leave it out");
+    }
+    Recording::parse_carmen(text, &arguments.laser()).map_err(|error| anyhow!("the log `{name}` has a fault: {error}"))
 }
 
 fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Arguments) -> Result<()> {
@@ -126,7 +169,7 @@ fn check_on_map(recording: &Recording, map: &OccupancyGrid, arguments: &Argument
         "the log `{}` does not belong to the map `{}`: {} of its {total} corrected poses (the first in line {first}) \
          are not on the map's free space, which lies within ({:.1}, {:.1}) and ({:.1}, {:.1})",
         arguments.log.shown(),
-        arguments.map.shown(),
+        arguments.map_name(),
         off.len(),
         origin.x,
         origin.y,
@@ -198,7 +241,14 @@ fn all_trials(
             if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let Some(trial) = localize(model, recording, beams, &window, arguments.start(), after_scan) else { break };
-        let timed = Timed { phase, window, trial, wall_s: began.elapsed().as_secs_f64() };
+        let last = recording.scans[window.scans.clone()].last();
+        let timed = Timed {
+            phase,
+            ends_s: last.and_then(|scan| scan.stamp_s),
+            window,
+            trial,
+            wall_s: began.elapsed().as_secs_f64(),
+        };
         tell(table.row_text(&table::row(index, &timed)))?;
         trials.push(timed);
     }

@@ -4,6 +4,7 @@ use super::findings::{Certainty, Errors, Findings, Phase, Spread};
 use super::windows::Timed;
 use rpl_experiments::reliability::{self, SURE};
 use rpl_experiments::statistics::Proportion;
+use rpl_robot::geometry::Pose;
 use rpl_robot::localization::{BeamParameters, OdometryError};
 use rpl_robot::recording::{PoseError, TrialStart};
 use rpl_shell::terminal::page::Block;
@@ -113,6 +114,11 @@ pub fn json(trials: &[Timed], findings: &Findings) -> String {
                 "start_m": timed.window.start_m,
                 "length_m": timed.window.length_m,
                 "scans": timed.window.scans.len(),
+                "ends_s": timed.ends_s,
+                "ends_at": last.map(|error| {
+                    let Pose { x_m, y_m, heading_rad } = error.true_in_map;
+                    [x_m, y_m, heading_rad]
+                }),
                 "found": timed.trial.succeeded,
                 "found_after_m": timed.trial.found_after_m,
                 "final_error_m": last.map(PoseError::position_m),

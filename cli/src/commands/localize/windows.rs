@@ -10,10 +10,11 @@ pub struct Placed {
     pub window: Window,
 }
 
-/// A trial, the window it was made in, and how long it took.
+/// A trial, the window it was made in, when the last scan of it was taken, and how long it took.
 pub struct Timed {
     pub phase: f64,
     pub window: Window,
+    pub ends_s: Option<f64>,
     pub trial: Trial,
     pub wall_s: f64,
 }
