@@ -62,6 +62,14 @@ messages! {
         angular: Vector3,
     }
 
+    /// A twist at a time.
+    geometry_msgs/TwistStamped {
+        /// When, and of which frame.
+        header: Header,
+        /// The twist.
+        twist: Twist,
+    }
+
     /// `geometry_msgs/PoseWithCovariance`.
     geometry_msgs/PoseWithCovariance {
         /// The pose.
@@ -332,6 +340,18 @@ mod tests {
         };
         let bytes = [0.5, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().fold(Bytes(Vec::new()), Bytes::double);
         assert_eq!(to_vec::<Twist, LittleEndian>(&twist).expect("bytes"), bytes.0);
+    }
+
+    #[test]
+    fn a_stamped_twist_is_a_header_and_then_six_numbers() {
+        let twist = Twist {
+            linear: Vector3 { x: 0.5, ..Vector3::default() },
+            angular: Vector3 { z: -1.0, ..Vector3::default() },
+        };
+        let header = Header { stamp: Time { sec: 7, nanosec: 9 }, frame_id: "base_link".to_string() };
+        let bytes = [0.5, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().fold(Bytes::header("base_link"), Bytes::double);
+        let message = TwistStamped { header, twist };
+        assert_eq!(to_vec::<TwistStamped, LittleEndian>(&message).expect("bytes"), bytes.0);
     }
 
     #[test]
