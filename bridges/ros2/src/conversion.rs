@@ -1,10 +1,10 @@
 //! From the messages of ROS 2 to what a robot perceives, and from its commands to a message.
 
-use rpl_ros_messages::messages::{LaserScan, Odometry, Range, Twist, Vector3};
 use rpl_robot::description::Motors;
 use rpl_robot::geometry::{Point, Pose, Transform, Velocity, wrap_angle_rad};
 use rpl_robot::sensors::LaserScanner;
 use rpl_robot::simulator::Commands;
+use rpl_ros_messages::messages::{LaserScan, Odometry, Range, Twist, Vector3};
 use std::f64::consts::TAU;
 
 /// A robot that is measured to be slower than this stands: an estimate of a velocity is hardly ever 0, and
@@ -23,6 +23,23 @@ pub struct Motion {
     pub velocity: Velocity,
 }
 
+/// The first field of an odometry that is used and not finite.
+pub fn not_finite(message: &Odometry) -> Option<&'static str> {
+    let (pose, twist) = (&message.pose.pose, &message.twist.twist);
+    let (position, turn) = (&pose.position, &pose.orientation);
+    let used = [
+        ("pose.pose.position.x", position.x),
+        ("pose.pose.position.y", position.y),
+        ("pose.pose.orientation.x", turn.x),
+        ("pose.pose.orientation.y", turn.y),
+        ("pose.pose.orientation.z", turn.z),
+        ("pose.pose.orientation.w", turn.w),
+        ("twist.twist.linear.x", twist.linear.x),
+        ("twist.twist.angular.z", twist.angular.z),
+    ];
+    used.into_iter().find(|(_, number)| !number.is_finite()).map(|(field, _)| field)
+}
+
 /// The plane of an odometry: heading is the turn about the vertical.
 ///
 /// # Errors
@@ -30,9 +47,8 @@ pub struct Motion {
 pub fn motion(message: &Odometry) -> Result<Motion, String> {
     let (pose, twist) = (&message.pose.pose, &message.twist.twist);
     let (position, turn) = (&pose.position, &pose.orientation);
-    let numbers = [position.x, position.y, turn.x, turn.y, turn.z, turn.w, twist.linear.x, twist.angular.z];
-    if numbers.iter().any(|number| !number.is_finite()) {
-        return Err("has numbers that are not finite".to_string());
+    if let Some(field) = not_finite(message) {
+        return Err(format!("has a `{field}` that is not finite"));
     }
     let length = [turn.x, turn.y, turn.z, turn.w].map(|part| part * part).iter().sum::<f64>();
     if (length - 1.0).abs() > 0.1 {
@@ -214,7 +230,7 @@ mod tests {
         let none = motion(&odometry(Quaternion::default(), 0.0)).expect_err("all zeros");
         assert!(none.contains("no rotation"), "{none}");
         let endless = motion(&odometry(turned(0.0, 0.0), f64::NAN)).expect_err("not a number");
-        assert!(endless.contains("not finite"), "{endless}");
+        assert!(endless.contains("`twist.twist.linear.x` that is not finite"), "{endless}");
     }
 
     /// What a laser at a place sees of a wall two metres ahead of the middle of the robot, and nothing else.

@@ -1,14 +1,16 @@
 //! The bridge between a mission and a robot that speaks ROS 2: our simulator, as a node of its own.
 
-use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
 use crate::ros_host::{NUMBER, RosHost, TopicNames};
+use crate::teller::Teller;
 use crate::topic::Topics;
+use crate::velocity::Choice;
 use rpl_link::tcp_server::{PATIENCE, Service, ServiceRecord, serve};
 use rpl_protocol::host::{CommandsMessage, FromHost, MissionHello, PROTOCOL, PerceptMessage, ToHost, read, written};
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
 use rpl_robot::simulator::{Commands, SimulatorModel, SimulatorSettings};
 use rpl_robot::world::World;
+use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -104,8 +106,9 @@ fn bridge() -> (SocketAddr, JoinHandle<ServiceRecord>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
     let serving = thread::spawn(move || {
-        let mut topics = Topics::join(DOMAIN, "bridge").expect("a network");
-        let mut host = RosHost::new(robot(), &mut topics, &names(), Pose::default()).expect("topics");
+        let topics = Topics::join(DOMAIN, "bridge").expect("a network");
+        let teller = Teller::new(|_| {});
+        let mut host = RosHost::new(robot(), topics, &names(), Choice::Auto, Pose::default(), teller).expect("topics");
         let began = Instant::now();
         while !host.awaited().expect("a robot").is_empty() {
             assert!(began.elapsed() < DEADLINE, "the robot says nothing: {:?}", host.awaited());

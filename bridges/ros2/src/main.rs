@@ -1,13 +1,18 @@
 //! A robot that speaks ROS 2, as a host for missions: `rpl run PLAN --world W --robot R --host ADDRESS`.
 //!
 //! The bridge is one more server of the host protocol (`docs/hosts.md`). It takes part in ROS 2 by itself
-//! and needs no installation of it. Read `conversion`, `topic` and `ros_host`.
+//! and needs no installation of it. Read `conversion`, `track`, `topic`, `velocity` and `ros_host`.
 
 mod conversion;
 #[cfg(test)]
 mod loopback;
 mod ros_host;
+#[cfg(test)]
+mod strangers;
+mod teller;
 mod topic;
+mod track;
+mod velocity;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
@@ -25,6 +30,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
+use teller::Teller;
+use velocity::Choice;
 
 /// The largest number of a domain whose ports there are.
 const LAST_DOMAIN: i64 = 232;
@@ -75,9 +82,12 @@ struct Arguments {
     /// File with the token that missions must know, one line of at least 16 characters
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Topic of the commanded velocity (geometry_msgs/Twist)
+    /// Topic of the commanded velocity (geometry_msgs/Twist or geometry_msgs/TwistStamped)
     #[arg(long, value_name = "TOPIC", default_value = "/cmd_vel")]
     velocity: String,
+    /// Message of the commanded velocity
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Choice::Auto)]
+    twist: Choice,
     /// Distance of the laser ahead of the middle of the robot, in metres
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     laser_x: f64,
@@ -105,8 +115,10 @@ fn run(arguments: &Arguments) -> Result<()> {
     let robot = robot_named(&arguments.robot)?;
     let cannot_listen = || format!("cannot listen at `{}`", arguments.listen);
     let listener = TcpListener::bind(&arguments.listen).with_context(cannot_listen)?;
-    let mut topics = topic::Topics::join(arguments.domain, "rpl_bridge")?;
-    let mut host = RosHost::new(robot.clone(), &mut topics, &names(arguments, &robot)?, laser_in_base(arguments))?;
+    let topics = topic::Topics::join(arguments.domain, "rpl_bridge")?;
+    let (names, laser_in_base) = (names(arguments, &robot)?, laser_in_base(arguments));
+    let teller = Teller::new(|sentence| eprintln!("{sentence}"));
+    let mut host = RosHost::new(robot.clone(), topics, &names, arguments.twist, laser_in_base, teller)?;
     if robot.gripper.is_some() {
         eprintln!("the robot `{}` has a gripper, and the bridge moves none: it stays open", robot.name);
     }

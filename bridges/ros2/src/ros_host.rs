@@ -1,14 +1,18 @@
 //! A robot that speaks ROS 2, as a host.
 
-use crate::conversion::{Motion, Scan, motion, sonar_m, twist};
-use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Twist};
-use crate::topic::{Heard, Said, Topics};
+use crate::conversion::{Motion, Scan, motion, not_finite, sonar_m, twist};
+use crate::teller::Teller;
+use crate::topic::{Heard, Topics};
+use crate::track::{Place, SAME_CLOCK, Track, machine_ns, nanoseconds, stamp, stamp_ns};
+use crate::velocity::{Choice, Motors, Velocity};
 use anyhow::Result;
 use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Pose;
 use rpl_robot::office::{Host, HostLost, Report};
 use rpl_robot::sensors::{FailedSensors, RangeSensors, Signals, SonarLayout};
 use rpl_robot::simulator::{Commands, GripperMotion, GripperStatus, Percept};
+use rpl_ros_messages::messages::{BatteryState, Bool, LaserScan, Odometry, Range, Time, Twist};
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -16,6 +20,9 @@ use std::time::{Duration, Instant};
 /// How often a robot is told to stand that nobody commands any more, and the time between: what is said
 /// once may be lost when the process ends.
 const FAREWELL: (u32, Duration) = (6, Duration::from_millis(50));
+
+/// A scan waits no longer for the odometry of its time.
+const MOST_WAITED: Duration = Duration::from_millis(300);
 
 /// Where the number of a sonar stands in the name of its topic.
 pub const NUMBER: &str = "{}";
@@ -33,7 +40,7 @@ pub struct TopicNames {
     pub bumper: String,
     /// `sensor_msgs/BatteryState`.
     pub battery: String,
-    /// `geometry_msgs/Twist`.
+    /// `geometry_msgs/Twist` or `geometry_msgs/TwistStamped`.
     pub velocity: String,
 }
 
@@ -41,6 +48,8 @@ pub struct TopicNames {
 struct Laser {
     heard: Heard<LaserScan>,
     in_base: Pose,
+    /// What has come before the odometry of its time, the newest last.
+    waiting: VecDeque<(LaserScan, Instant)>,
     scan: Option<Scan>,
 }
 
@@ -61,25 +70,31 @@ pub struct RosHost {
     sonars: Vec<SonarHeard>,
     bumper: Option<Heard<Bool>>,
     battery: Option<Heard<BatteryState>>,
-    velocity: Said<Twist>,
+    velocity: Velocity,
+    teller: Teller,
     motion: Option<Motion>,
+    track: Track,
     /// Where odometry was when it was first asked for.
     began_in_odom: Option<Pose>,
     is_bumped: bool,
     charge: f64,
     time_us: u64,
+    // Behind all that are open.
+    topics: Topics,
 }
 
 impl RosHost {
-    /// Opens the topics of all that a robot has. Nothing moves yet.
+    /// Opens the topics of all that a robot has. Nothing moves yet. What its user should know is told.
     ///
     /// # Errors
     /// A name is none of ROS.
     pub fn new(
         robot: Arc<RobotDescription>,
-        topics: &mut Topics,
+        mut topics: Topics,
         names: &TopicNames,
+        choice: Choice,
         laser_in_base: Pose,
+        teller: Teller,
     ) -> Result<Self> {
         let sensors = robot.range_sensors();
         // A ring is measured from the middle of the robot, and a real one sits on the rim.
@@ -98,22 +113,25 @@ impl RosHost {
             None => None,
         };
         Ok(Self {
-            odometry: topics.hear_newest(&names.odometry, "nav_msgs/Odometry")?,
-            laser: laser.map(|heard| Laser { heard, in_base: laser_in_base, scan: None }),
+            odometry: topics.hear_each(&names.odometry, "nav_msgs/Odometry")?,
+            laser: laser.map(|heard| Laser { heard, in_base: laser_in_base, waiting: VecDeque::new(), scan: None }),
             sonars,
             bumper: robot.bumper.then(|| topics.hear_each(&names.bumper, "std_msgs/Bool")).transpose()?,
             battery: robot
                 .battery
                 .map(|_| topics.hear_newest(&names.battery, "sensor_msgs/BatteryState"))
                 .transpose()?,
-            velocity: topics.say(&names.velocity, "geometry_msgs/Twist")?,
+            velocity: Velocity::new(&mut topics, &names.velocity, choice)?,
+            teller,
             robot,
             sensors,
             motion: None,
+            track: Track::default(),
             began_in_odom: None,
             is_bumped: false,
             charge: 1.0,
             time_us: 0,
+            topics,
         })
     }
 
@@ -133,10 +151,9 @@ impl RosHost {
 
     /// Takes in what has come; whether the bumper was pressed meanwhile.
     fn listen(&mut self) -> Result<bool, HostLost> {
-        if let Some(message) = self.odometry.take().map_err(HostLost)?.pop() {
-            self.motion = Some(motion(&message).map_err(|why| HostLost(self.odometry.fault(&why)))?);
-        }
-        self.look()?;
+        let now = Instant::now();
+        self.hear_odometry(now)?;
+        self.look(now)?;
         for sonar in &mut self.sonars {
             let (message, described) = (sonar.heard.take().map_err(HostLost)?.pop(), &self.sensors.sonars);
             if let Some((message, described)) = message.zip(described.as_ref()) {
@@ -156,16 +173,95 @@ impl RosHost {
         Ok(was_pressed || self.is_bumped)
     }
 
-    /// Takes in the newest scan, at the place where the robot is now.
-    fn look(&mut self) -> Result<(), HostLost> {
+    /// Takes in where the robot is and was.
+    fn hear_odometry(&mut self, now: Instant) -> Result<(), HostLost> {
+        let (teller, topic) = (&mut self.teller, self.odometry.topic.clone());
+        let is_of_use = |message: &Odometry| {
+            let fault = not_finite(message);
+            if let Some(field) = fault {
+                teller.once(field, || {
+                    format!("the topic `{topic}` has a `{field}` that is not finite: such messages are dropped")
+                });
+            }
+            fault.is_none()
+        };
+        for message in self.odometry.take_if(is_of_use).map_err(HostLost)? {
+            let heard = motion(&message).map_err(|why| HostLost(self.odometry.fault(&why)))?;
+            self.motion = Some(heard);
+            if let Some(stamp_ns) = stamp_ns(&message.header.stamp) {
+                self.track.add(stamp_ns, heard.base_in_odom, now);
+            }
+        }
+        if let Some(ahead_ns) = self.track.clock_ns(now).map(|clock_ns| clock_ns - machine_ns())
+            && ahead_ns.abs() > nanoseconds(SAME_CLOCK)
+        {
+            let what =
+                || self.odometry.fault(&format!("is stamped {} the clock of this machine", by_how_much(ahead_ns)));
+            self.teller.once("clock of the odometry", what);
+        }
+        Ok(())
+    }
+
+    /// Takes in the newest scan whose place is known: where the robot was at the time of its stamp. A stamp of another
+    /// clock says nothing, and then it is where the robot is as the scan comes.
+    fn look(&mut self, now: Instant) -> Result<(), HostLost> {
         let (Some(laser), Some(scanner)) = (&mut self.laser, &self.sensors.laser) else { return Ok(()) };
-        let message = laser.heard.take().map_err(HostLost)?.pop();
-        if let Some((message, motion)) = message.zip(self.motion) {
-            let laser_in_odom = motion.base_in_odom.compose(laser.in_base);
-            let scan = Scan::new(&message, laser_in_odom, laser.in_base, scanner);
+        laser.waiting.extend(laser.heard.take().map_err(HostLost)?.into_iter().map(|message| (message, now)));
+        // A scan before the first odometry is nowhere.
+        let Some(motion) = self.motion else {
+            laser.waiting.clear();
+            return Ok(());
+        };
+        let mut tell = |subject: &'static str, why: &str| {
+            self.teller.once(subject, || {
+                let (laser, odometry) = (&laser.heard.topic, &self.odometry.topic);
+                format!("{why}: scans at `{laser}` are paired with `{odometry}` as they arrive")
+            });
+        };
+        let mut placed = None;
+        for at in (0..laser.waiting.len()).rev() {
+            let (message, came) = &laser.waiting[at];
+            let place = match stamp_ns(&message.header.stamp) {
+                Some(stamp_ns) => self.track.at(stamp_ns, now),
+                None => Place::NoClock,
+            };
+            let base_in_odom = match place {
+                Place::Known(base_in_odom) => Some(base_in_odom),
+                Place::NotYet if now.saturating_duration_since(*came) < MOST_WAITED => continue,
+                Place::NotYet => {
+                    tell("odometry is late", "odometry is more than 0.3 s behind the scans");
+                    Some(motion.base_in_odom)
+                }
+                Place::Forgotten => None,
+                Place::OtherClock(ahead_ns) => {
+                    tell("clock of the scans", &format!("scans are stamped {} odometry", by_how_much(ahead_ns)));
+                    Some(motion.base_in_odom)
+                }
+                Place::NoClock => {
+                    tell("no stamps", "scans or odometry have no stamps");
+                    Some(motion.base_in_odom)
+                }
+            };
+            placed = base_in_odom.map(|base_in_odom| (message.clone(), base_in_odom));
+            laser.waiting.drain(..=at);
+            break;
+        }
+        if let Some((message, base_in_odom)) = placed {
+            let scan = Scan::new(&message, base_in_odom.compose(laser.in_base), laser.in_base, scanner);
             laser.scan = Some(scan.map_err(|why| HostLost(laser.heard.fault(&why)))?);
         }
         Ok(())
+    }
+
+    /// The time of the robot as it is best known: that of its odometry, if it is another clock's than this machine's;
+    /// else the later of both, because a base does not obey what is old.
+    fn stamp(&self, now: Instant) -> Time {
+        let machine_ns = machine_ns();
+        stamp(match self.track.clock_ns(now) {
+            None => machine_ns,
+            Some(clock_ns) if (clock_ns - machine_ns).abs() > nanoseconds(SAME_CLOCK) => clock_ns,
+            Some(clock_ns) => clock_ns.max(machine_ns),
+        })
     }
 
     /// All without which nobody may drive have spoken lately.
@@ -204,10 +300,24 @@ impl RosHost {
     }
 }
 
+/// How far a clock is from another, before the name of that.
+fn by_how_much(ahead_ns: i64) -> String {
+    let way = if ahead_ns > 0 { "ahead of" } else { "behind" };
+    format!("{:.1} s {way}", ahead_ns.unsigned_abs() as f64 / 1e9)
+}
+
 impl Host for RosHost {
     /// The wheels are told, and what was heard last is perceived.
     fn step(&mut self, commands: &Commands, _: &mut Vec<Report>) -> Result<Percept, HostLost> {
-        self.velocity.say(twist(commands, &self.robot.motors)).map_err(HostLost)?;
+        let (now, twist) = (Instant::now(), twist(commands, &self.robot.motors));
+        let told = match () {
+            () if commands.motors_off => Motors::Off,
+            () if twist == Twist::default() => Motors::Stand,
+            () => Motors::Drive,
+        };
+        let attended = self.velocity.attend(&mut self.topics, now, told, &mut self.teller);
+        attended.map_err(|error| HostLost(format!("{error:#}")))?;
+        self.velocity.say(twist, self.stamp(now)).map_err(HostLost)?;
         let was_pressed = self.listen()?;
         self.percept(was_pressed, commands.sonars_on)
     }
@@ -218,7 +328,7 @@ impl Drop for RosHost {
     fn drop(&mut self) {
         for _ in 0..FAREWELL.0 {
             // Nobody is left who could be told that it was in vain.
-            self.velocity.say(Twist::default()).ok();
+            self.velocity.say(Twist::default(), self.stamp(Instant::now())).ok();
             thread::sleep(FAREWELL.1);
         }
     }

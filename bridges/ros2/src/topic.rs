@@ -1,6 +1,7 @@
 //! The topics of ROS 2, and what has come on them.
 
 use anyhow::{Context as _, Result, anyhow};
+use ros2_client::dds::rustdds::discovery::DiscoveredReaderData;
 use ros2_client::qos::{History, WhenFull};
 use ros2_client::{
     Context, ContextOptions, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile, Subscription,
@@ -19,16 +20,31 @@ const MOST_TAKEN: usize = 100;
 const NEWEST: QosProfile = QosProfile::subscription_default();
 
 /// Each counts, also what comes between two looks.
-const EACH: QosProfile = QosProfile::subscription_default().history(History::KeepLast { depth: 10 });
+const EACH: QosProfile = QosProfile::subscription_default().history(History::KeepLast { depth: MOST_TAKEN });
 
 /// Arrives, and never keeps the robot waiting.
 const SURE: QosProfile = QosProfile::publisher_default().reliability_reliable(WhenFull::Fail);
+
+/// Before the name of a topic of ROS 2, in DDS.
+const OF_ROS: &str = "rt";
+
+/// Between the package and the name of a message, in DDS.
+const IN_TYPE: &str = "::msg::dds_::";
+
+/// Who listens: a topic, and the type that is expected there.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Listener {
+    /// Its name, from the root on.
+    pub topic: String,
+    /// `PACKAGE/NAME`.
+    pub kind: String,
+}
 
 /// Opens the topics of a domain of ROS 2.
 pub struct Topics {
     node: Node,
     // Behind the node, which uses it until it is dropped.
-    _context: Context,
+    context: Context,
 }
 
 impl Topics {
@@ -42,7 +58,7 @@ impl Topics {
         let name = NodeName::new("/", name).map_err(|error| anyhow!("{}: {error:?}", cannot()))?;
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let node = context.new_node(name, options).map_err(|error| anyhow!("{}: {error:?}", cannot()))?;
-        Ok(Self { node, _context: context })
+        Ok(Self { node, context })
     }
 
     /// Hears the newest of what is published under a name, of a type `PACKAGE/NAME`.
@@ -65,7 +81,7 @@ impl Topics {
         let opened = self.open(topic, kind, &quality)?;
         let cannot = || format!("cannot subscribe to `{topic}`");
         let subscription = self.node.create_subscription(&opened, Some(quality)).with_context(cannot)?;
-        Ok(Heard { topic: topic.to_string(), subscription, last: None })
+        Ok(Heard { topic: topic.to_string(), subscription, last: None, is_refused: false })
     }
 
     /// Publishes under a name.
@@ -79,13 +95,43 @@ impl Topics {
         Ok(Said { topic: topic.to_string(), publisher, last: Instant::now() })
     }
 
+    /// Who listens anywhere, one entry for each subscriber, as far as it was discovered.
+    pub fn listeners(&self) -> Vec<Listener> {
+        let readers = self.context.domain_participant().discovered_readers();
+        let listener = |reader: &DiscoveredReaderData| {
+            let data = &reader.subscription_topic_data;
+            let topic = data.topic_name().strip_prefix(OF_ROS)?.strip_prefix('/')?;
+            let (package, kind) = data.type_name().split_once(IN_TYPE)?;
+            let kind = format!("{package}/{}", kind.strip_suffix('_')?);
+            Some(Listener { topic: rooted(topic), kind })
+        };
+        readers.iter().filter_map(listener).collect()
+    }
+
     fn open(&self, topic: &str, kind: &str, quality: &QosProfile) -> Result<ros2_client::dds::rustdds::Topic> {
-        let wrong = |error| anyhow!("`{topic}` is no name of a topic ({error:?}); one is, for instance, `/robot/odom`");
-        let name = Name::parse(topic).map_err(wrong)?;
+        let name = name(topic)?;
         let (package, kind) = kind.split_once('/').with_context(|| format!("`{kind}` is no type of messages"))?;
         let kind = MessageTypeName::new(package, kind);
         self.node.create_topic(&name, kind, quality).with_context(|| format!("cannot open `{topic}`"))
     }
+}
+
+fn name(topic: &str) -> Result<Name> {
+    let wrong = |error| anyhow!("`{topic}` is no name of a topic ({error:?}); one is, for instance, `/robot/odom`");
+    Name::parse(topic).map_err(wrong)
+}
+
+/// The name of a topic from the root on, as [`Listener`]s have it.
+pub fn rooted(topic: &str) -> String {
+    format!("/{}", topic.trim_start_matches('/'))
+}
+
+/// The name can be that of a topic.
+///
+/// # Errors
+/// It is none of ROS.
+pub fn is_name(topic: &str) -> Result<()> {
+    name(topic).map(drop)
 }
 
 /// A topic that is heard.
@@ -93,7 +139,10 @@ pub struct Heard<M> {
     /// Its name.
     pub topic: String,
     subscription: Subscription<M>,
+    /// When it last said what is of use.
     last: Option<Instant>,
+    /// What it has said since was of no use.
+    is_refused: bool,
 }
 
 impl<M: DeserializeOwned + 'static> Heard<M> {
@@ -102,16 +151,25 @@ impl<M: DeserializeOwned + 'static> Heard<M> {
     /// # Errors
     /// One sentence: what came is no such message.
     pub fn take(&mut self) -> Result<Vec<M>, String> {
+        self.take_if(|_| true)
+    }
+
+    /// The same of what is of use; the rest is dropped, and who says nothing else is silent.
+    ///
+    /// # Errors
+    /// One sentence: what came is no such message.
+    pub fn take_if(&mut self, mut is_of_use: impl FnMut(&M) -> bool) -> Result<Vec<M>, String> {
         let mut taken = Vec::new();
-        while taken.len() < MOST_TAKEN {
+        for _ in 0..MOST_TAKEN {
             match self.subscription.take() {
-                Ok(Some((message, _))) => taken.push(message),
+                Ok(Some((message, _))) if is_of_use(&message) => taken.push(message),
+                Ok(Some(_)) => self.is_refused = true,
                 Ok(None) => break,
                 Err(error) => return Err(self.fault(&format!("has said what cannot be read: {error}"))),
             }
         }
         if !taken.is_empty() {
-            self.last = Some(Instant::now());
+            (self.last, self.is_refused) = (Some(Instant::now()), false);
         }
         Ok(taken)
     }
@@ -130,7 +188,10 @@ impl<M> Heard<M> {
     pub fn is_alive(&self, now: Instant) -> Result<(), String> {
         match self.last {
             Some(last) if now.saturating_duration_since(last) < PATIENCE => Ok(()),
-            Some(_) | None => Err(self.fault(&format!("has said nothing for {:.1} s", PATIENCE.as_secs_f64()))),
+            Some(_) | None => {
+                let what = if self.is_refused { "nothing of use" } else { "nothing" };
+                Err(self.fault(&format!("has said {what} for {:.1} s", PATIENCE.as_secs_f64())))
+            }
         }
     }
 
