@@ -20,6 +20,7 @@ const HEADER: usize = 19;
 const PROGRAMS: [&str; 3] = [
     "(def-fluent n 0)
      (def-valve arm)
+     (measure 'rooms 4)
      (par (seq (with-valve arm (wait-time 1) (setf (value n) (list 1 2.5 \"c\" 'd :e))))
           (with-valve arm (wait-for n) (print (value n)))
           (unwind-protect (wait-time 3) (setf (value n) nil)))",

@@ -51,7 +51,7 @@ fn nothing_that_is_there_is_overwritten() {
 #[test]
 fn a_project_holds_for_a_plan_that_is_named_and_each_option_for_itself() {
     let folder = folder("project-named");
-    let text = "(defvar far 1) (print (list 'far far)) (at-destination? 'corner)";
+    let text = "(defvar far 1) (print (list 'far far)) (wait-time 1) (at-destination? 'corner)";
     put(&folder, "main.rpl", text);
     put(&folder, "other.rpl", text);
     put(&folder, "rpl.toml", "plan = \"main.rpl\"\nworld = \"test-room\"\nrobot = \"turtlebot\"\nset = { far = 5 }\n");
