@@ -246,6 +246,24 @@ fn that_nobody_listens_is_told_with_who_listens_elsewhere() {
     assert_eq!((bridge.told("nobody listens"), bridge.told(&left)), (2, 1), "{:?}", bridge.told);
 }
 
+#[test]
+fn two_messages_at_one_topic_are_told_once_and_one_is_spoken() {
+    const DOMAIN: u16 = 86;
+    let mut stranger = Stranger::new(DOMAIN);
+    let topic = stranger.names.velocity.clone();
+    let mut plain: Heard<Twist> = stranger.hear(&topic, "geometry_msgs/Twist");
+    let mut bridge = Bridge::to(&mut stranger, DOMAIN);
+    bridge.go_on_until(&mut stranger, "a twist", |_| plain.take().expect("twists").pop());
+    let mut other = Topics::join(DOMAIN, "other").expect("a network");
+    let _stamped = other.hear_newest::<TwistStamped>(&topic, "geometry_msgs/TwistStamped").expect("a topic");
+    let both = format!("`{topic}` has subscribers of Twist and of TwistStamped, and Twist is spoken");
+    bridge.go_on_until(&mut stranger, "that there are two", |bridge| (bridge.told(&both) > 0).then_some(()));
+    plain.take().expect("twists");
+    bridge.go_on(&mut stranger, Duration::from_secs(1), |_| {});
+    let told = plain.take().expect("twists").pop().expect("it still hears");
+    assert_eq!((told.linear.x, bridge.told(&both)), (0.1, 1), "{:?}", bridge.told);
+}
+
 /// A robot turns, and its scans come late: by how many degrees the post is not where it stands, at 95 %.
 fn off_deg_of(domain: u16, odometry_stamp: fn(i64) -> Time, scan_stamp: fn(i64) -> Time) -> (f64, Bridge) {
     let mut stranger = Stranger::new(domain);
@@ -291,6 +309,14 @@ fn scans_without_stamps_are_paired_as_they_arrive_and_that_is_told_once() {
     let (off_deg, bridge) = off_deg_of(83, stamp, |_| Time::default());
     assert!(off_deg > 8.0, "0.3 s late at 0.8 rad/s: {off_deg}");
     assert_eq!(bridge.told("scans or odometry have no stamps"), 1, "{:?}", bridge.told);
+}
+
+#[test]
+fn scans_do_not_wait_long_for_odometry_that_is_behind() {
+    let behind = |now_ns: i64| stamp(now_ns - 8 * SECOND_NS / 10);
+    let (off_deg, bridge) = off_deg_of(85, behind, stamp);
+    assert!(off_deg > 8.0, "paired as they arrive: {off_deg}");
+    assert_eq!(bridge.told("odometry is more than 0.3 s behind the scans"), 1, "{:?}", bridge.told);
 }
 
 #[test]
