@@ -42,7 +42,21 @@ impl Packing {
         match self {
             Self::Gzip => Box::new(MultiGzDecoder::new(bytes)),
             Self::Zstd => Box::new(ZstdFrames { left: bytes, frame: None }),
-            Self::Lz4 => Box::new(Lz4Decoder::new(bytes)),
+            Self::Lz4 => Box::new(Lz4Frames(Lz4Decoder::new(bytes))),
+        }
+    }
+}
+
+/// The frames of LZ4 one after the other; the decoder says after each that it is at an end.
+struct Lz4Frames<'b>(Lz4Decoder<&'b [u8]>);
+
+impl Read for Lz4Frames<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let read = self.0.read(into)?;
+            if read > 0 || into.is_empty() || self.0.get_ref().is_empty() {
+                return Ok(read);
+            }
         }
     }
 }

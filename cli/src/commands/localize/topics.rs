@@ -149,8 +149,8 @@ impl Role<'_> {
             };
             return Ok(topic.clone());
         }
-        let usual = |name: &&str| all.iter().filter(fit).find(|topic| topic.0 == **name);
-        if let Some(topic) = self.usual.iter().find_map(|name| usual(&name)) {
+        let usual = |name: &'static &str| all.iter().filter(fit).find(|topic| topic.0 == **name);
+        if let Some(topic) = self.usual.iter().find_map(usual) {
             return Ok(topic.clone());
         }
         let left: Vec<&Topic> = all.iter().filter(fit).filter(|topic| alone(topic)).collect();
