@@ -55,13 +55,13 @@ pub fn run(_: &Arguments) -> Result<Status> {
 #[derive(Default)]
 struct Files {
     /// What the texts of each project are looked at with, by its file and what they are for.
-    settings: RefCell<BTreeMap<(Option<PathBuf>, IsScenario), Arc<Setting>>>,
+    settings: RefCell<BTreeMap<SettingKey, Arc<Setting>>>,
     /// The files of each project that are no plans.
     roles: RefCell<BTreeMap<PathBuf, Roles>>,
 }
 
-/// Whether a text disturbs the world.
-type IsScenario = bool;
+/// The project of a text, and whether it is a scenario.
+type SettingKey = (Option<PathBuf>, bool);
 
 impl Files {
     /// Whether a text of a project is a scenario, by what the project and its other texts say.
@@ -111,7 +111,7 @@ impl Surroundings for Files {
 }
 
 /// What the texts of a project are looked at with; without a project file, what `rpl check` looks at texts with.
-fn setting_of(file: Option<&Path>, is_scenario: IsScenario) -> Result<Setting> {
+fn setting_of(file: Option<&Path>, is_scenario: bool) -> Result<Setting> {
     if is_scenario {
         let library = Site::for_checking_scenarios()?.library;
         return Ok(Setting { reference: Reference::of(&library), libraries: vec![library], world: None });

@@ -117,7 +117,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "strings",
         "Strings and symbols",
-        "print log format string write-to-string number->string parse-number string-append string-join string-split \
+        "print log measure format string write-to-string number->string parse-number string-append string-join string-split \
          string-search string-replace string-repeat string-trim string-upcase string-downcase string-prefix-p \
          string-suffix-p string->list substring string= string< string<= string> string>= symbol-name intern \
          make-keyword gensym",
