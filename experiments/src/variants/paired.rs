@@ -184,8 +184,12 @@ mod tests {
     #[test]
     fn runs_are_paired_by_their_seeds_and_not_by_their_order() {
         let (mut first, mut other) = (VariantTally::new(true), VariantTally::new(true));
-        [(1, 100.0), (2, 500.0), (3, 900.0)].map(|(seed, time_s)| first.add(trial(seed, time_s, true, None)));
-        [(3, 890.0), (2, 490.0), (7, 0.0)].map(|(seed, time_s)| other.add(trial(seed, time_s, seed != 2, Some(4.0))));
+        [(1, 100.0), (2, 500.0), (3, 900.0)]
+            .into_iter()
+            .for_each(|(seed, time_s)| first.add(trial(seed, time_s, true, None)));
+        [(3, 890.0), (2, 490.0), (7, 0.0)]
+            .into_iter()
+            .for_each(|(seed, time_s)| other.add(trial(seed, time_s, seed != 2, Some(4.0))));
         let names = ["first", "other"].map(str::to_string);
         let found = PairedDifferences::of(&names, &[first, other]);
         let [PairedDifferences { succeeded, measures, .. }] = &found[..] else { panic!("one pair of variants") };
