@@ -28,7 +28,7 @@ struct Axes {
 }
 
 /// A round number that is no less, and into how many parts an axis up to there is divided.
-fn axis_up_to(value: f64) -> (f64, u32) {
+pub fn axis_up_to(value: f64) -> (f64, u32) {
     let power = libm::exp10(libm::floor(libm::log10(value.max(1e-9))));
     let rounds = [(1.0, 5), (1.5, 3), (2.0, 4), (2.5, 5), (3.0, 3), (4.0, 4), (5.0, 5), (6.0, 3), (8.0, 4), (10.0, 5)];
     let found = rounds.into_iter().find(|round| round.0 * power >= value * (1.0 - 1e-9));

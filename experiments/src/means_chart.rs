@@ -1,6 +1,6 @@
 //! What plans have measured, as a chart: the mean of each measure in each variant, with its 95 % interval.
 
-use super::chart::{axis_label, series};
+use super::chart::{axis_label, axis_up_to, series};
 use super::quantity::Quantity;
 use super::row_result::RowResult;
 use super::statistics::Summary;
@@ -86,8 +86,10 @@ fn drawn(mut document: Document, panel: &Panel<'_>, left: f64, top: f64) -> Docu
         Line::new().set("x1", from.0).set("y1", from.1).set("x2", to.0).set("y2", to.1).set("stroke", colour)
     };
     document = document.add(text(panel.quantity.name(), EDGE, top + 20.0, TEXT_PX).set("font-weight", "bold"));
-    for part in 0..=4 {
-        let value = low + (high - low) * f64::from(part) / 4.0;
+    let step = axis_up_to((high - low) / 4.0).0;
+    let first = libm::ceil(low / step);
+    for tick in 0..=libm::floor(high / step - first) as u32 {
+        let value = (first + f64::from(tick)) * step;
         document = document.add(line((x(value), top + HEAD - 6.0), (x(value), bottom), palette::GRID)).add(centred(
             &axis_label(value),
             x(value),
