@@ -308,7 +308,8 @@ mod tests {
             .map(|point| point.split_once(',').expect("two numbers").1.parse::<f64>().expect("a number"))
             .map(|y| 1.0 - (y - 48.0) / HEIGHT)
             .collect();
-        let at = |time_s: usize| shares[time_s * POINTS / 100];
+        // The line goes along to each point and then up, so that each has two corners.
+        let at = |time_s: usize| shares[2 * (time_s * POINTS / 100)];
         assert_eq!((at(0), at(20), at(50), at(100)), (0.0, 0.25, 0.5, 0.75), "{shares:?}");
     }
 }
