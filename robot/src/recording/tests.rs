@@ -162,7 +162,7 @@ fn faults_of_a_log_are_told_with_their_line() {
         (after("FLASER 0 0 0 0 0 0 0"), "line 153: the number of readings must be a whole number from 1"),
         (after("FLASER 4 1 2 3 4 0 0 0 0 0 0"), "line 153: 4 readings where earlier scans have 5"),
         (format!("{line}\n"), "the robot never moves"),
-        (no_odometry, "the log has no odometry: its second poses"),
+        (no_odometry, "the log has no odometry: its poses (odom_x odom_y odom_theta of CARMEN)"),
         (raw.to_string(), "line 1: the log has no odometry: a RAWLASER1 message"),
         (String::new(), "no laser scan in it"),
     ] {
