@@ -104,6 +104,9 @@ fn variants_are_compared_seed_by_seed() {
     assert!(beside.contains("succeeded     12      +0.0 %"), "{beside}");
     assert!(beside.contains("time [s]      12      +20.00  +20.00 to +20.00"), "{beside}");
     assert!(found.out.contains("far=(+ 10 5) beside far=10"), "{}", found.out);
+    // What is kept for the comparison has a limit, which one variant alone does not have.
+    let many = run(&["experiment", &plan, "--runs", "400000", "--vary", "far=1,2,3"]);
+    assert!(many.status == 2 && many.errors.contains("have 1200000 runs together"), "{}", many.errors);
     // One variant, and an unknown one.
     let row = run(&[&vary[..], &["--row", "far=30"]].concat());
     assert!(row.out.contains("far=30: 12 runs") && !row.out.contains("beside"), "{}", row.out);
@@ -135,7 +138,9 @@ fn an_experiment_file_has_variants_with_plans_of_their_own() {
     let paired = &figures["paired"][0];
     assert_eq!((&paired["name"], &paired["against"]), (&"fast".into(), &"slow".into()));
     assert_eq!((&paired["measures"][0]["name"], &paired["measures"][0]["mean"]), (&"time [s]".into(), &(-8.0).into()));
+    let many: String = (0..100_000).map(|at| format!("[[variant]]\nname = \"{at}\"\n")).collect();
     for (wrong, told) in [
+        (format!("plan = \"slow.rpl\"\n{many}"), "there are 100000 variants"),
         (text.replace("runs", "rums"), "unknown field `rums`"),
         (text.replace("1min", "soon"), "until = \"soon\": a time such as 90s"),
         (text.replace("\"fast\"\nplan", "\"slow\"\nplan"), "two variants are called `slow`"),

@@ -26,8 +26,8 @@ use serde_json::json;
 use std::path::Path;
 use variant::Variant;
 
-/// More runs of variants are not compared seed by seed: what was measured in each of them is kept until the end.
-const MOST_COMPARED: u32 = 100_000;
+/// More runs of all variants together are not compared seed by seed: what was measured in each is kept until the end.
+const MOST_COMPARED: u64 = 1_000_000;
 
 /// A plan of the user's own, or variants of it.
 pub struct Variants {
@@ -53,10 +53,11 @@ impl Variants {
     /// It has no variant of the row's name, or its variants are wrong; or they have more runs than are compared.
     pub fn new(request: ExperimentRequest, experiments: Vec<&'static str>) -> Result<Self> {
         let variants = Variant::all(&request)?;
-        if variants.len() > 1 && request.runs > MOST_COMPARED {
+        let runs = u64::from(request.runs) * variants.len() as u64;
+        if variants.len() > 1 && runs > MOST_COMPARED {
             bail!(
-                "variants are compared over {MOST_COMPARED} seeds at most; ask for fewer `--runs`, or for one variant \
-                 by `--row`"
+                "the variants have {runs} runs together, and at most {MOST_COMPARED} are compared; ask for fewer \
+                 `--runs`, or for one variant by `--row`"
             );
         }
         Ok(Self { request, variants, experiments })

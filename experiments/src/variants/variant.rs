@@ -51,6 +51,12 @@ impl Variant {
         for varied in &request.vary {
             all = Self::varied(all, varied)?;
         }
+        if all.len() > MOST_VARIANTS {
+            bail!(
+                "there are {} variants, and at most {MOST_VARIANTS} are compared; write fewer into a file",
+                all.len()
+            );
+        }
         if let Some(twice) = all.iter().enumerate().find(|(at, one)| all[..*at].iter().any(|it| it.name == one.name)) {
             bail!("two variants are called `{}`; give each a name of its own", twice.1.name);
         }
