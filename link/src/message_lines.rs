@@ -2,8 +2,9 @@
 //! whoever sends one without an end, or a byte now and then, fills no memory and holds nobody up.
 
 use rpl_protocol::host::LONGEST_LINE;
-use std::io::{self, BufRead, BufReader, ErrorKind, Write};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// From its first byte to its end a line takes no longer, whoever sends it.
@@ -22,18 +23,29 @@ pub enum ReadLine {
     Fault(String),
 }
 
+/// The reading end of a socket. It shares the descriptor with the writing one: a connection that has been
+/// accepted needs no second file, which there might not be.
+#[derive(Debug)]
+struct ReadingEnd(Arc<TcpStream>);
+
+impl Read for ReadingEnd {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        (&*self.0).read(buffer)
+    }
+}
+
 /// The lines that come from a socket.
 #[derive(Debug)]
 pub struct MessageLines {
-    reading: BufReader<TcpStream>,
+    reading: BufReader<ReadingEnd>,
     /// How long a line may take, from its first byte on.
     line: Duration,
 }
 
 impl MessageLines {
     /// The lines of a socket that waits when it is read; each may take this time.
-    pub fn new(stream: TcpStream, line: Duration) -> Self {
-        Self { reading: BufReader::new(stream), line }
+    pub fn new(stream: impl Into<Arc<TcpStream>>, line: Duration) -> Self {
+        Self { reading: BufReader::new(ReadingEnd(stream.into())), line }
     }
 
     /// Reads the next line. Without a time by which it has to be there its beginning is waited for for ever.
@@ -47,7 +59,7 @@ impl MessageLines {
                 let is_line_late = end_by.is_some() && by == end_by;
                 let left = by.map(|by| by.saturating_duration_since(Instant::now()));
                 // No time at all would be none for the system.
-                if left.is_some_and(|left| left.is_zero()) || self.reading.get_ref().set_read_timeout(left).is_err() {
+                if left.is_some_and(|left| left.is_zero()) || self.reading.get_ref().0.set_read_timeout(left).is_err() {
                     return if is_line_late { self.late() } else { ReadLine::Silence };
                 }
             }

@@ -138,7 +138,8 @@ impl TcpHost {
         let broken = |error: std::io::Error| fault(format!("cannot be spoken to: {error}"));
         stream.set_nodelay(true).map_err(broken)?;
         write_line(&stream, &written(&ToHost::Hello(hello.clone())), PATIENCE).map_err(broken)?;
-        let mut lines = MessageLines::new(stream.try_clone().map_err(broken)?, LINE);
+        let stream = Arc::new(stream);
+        let mut lines = MessageLines::new(stream.clone(), LINE);
         let greeting = greeting(&mut lines, patience, until, &hello).map_err(fault)?;
 
         let period = Duration::from_secs_f64(greeting.period_us as f64 / 1e6 / greeting.factor);

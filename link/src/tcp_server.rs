@@ -32,6 +32,7 @@ use rpl_robot::office::{Host, HostLost};
 use rpl_robot::simulator::Percept;
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -221,12 +222,11 @@ impl<H: Host> Server<'_, H> {
         self.door.refuse(&stream, refused, self.tell);
     }
 
-    fn welcome(&mut self, connection: u64, stream: TcpStream, address: SocketAddr, said: MissionHello, at: Instant) {
+    fn welcome(&mut self, connection: u64, stream: Arc<TcpStream>, address: SocketAddr, said: MissionHello, at: Instant) {
         let (percepts, to_write) = bounded(self.service.most_unsent());
         let (_, line) = self.service.times();
-        let writer = stream
-            .try_clone()
-            .and_then(|writing| thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write)));
+        let writing = stream.clone();
+        let writer = thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write));
         if let Err(error) = writer {
             let why = format!("{address} cannot be spoken to: {error}");
             return self.door.refuse(&stream, why, self.tell);

@@ -9,6 +9,7 @@ use rpl_protocol::host::{Bye, FromHost, written};
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -29,7 +30,7 @@ const FULL_EVERY: Duration = Duration::from_secs(60);
 
 /// Somebody who has connected and not greeted yet.
 pub(super) struct Visitor {
-    pub stream: TcpStream,
+    pub stream: Arc<TcpStream>,
     pub address: SocketAddr,
 }
 
@@ -101,17 +102,14 @@ impl Door {
             self.refuse(&longest.stream, format!("{MOST_AT_DOOR} wait without a greeting; {}", longest.address), tell);
         }
         let (greeting, line) = service.times();
-        let ready = stream
-            .set_nonblocking(false)
-            .and_then(|()| stream.set_nodelay(true))
-            .and_then(|()| Ok(MessageLines::new(stream.try_clone()?, line)));
-        let lines = match ready {
-            Ok(lines) => lines,
-            Err(error) => return self.refuse(&stream, format!("{address} cannot be listened to: {error}"), tell),
-        };
         self.connections += 1;
         let (connection, events) = (self.connections, self.events.clone());
-        let reader = thread::Builder::new().spawn(move || read_commands(lines, greeting, connection, &events));
+        let stream = Arc::new(stream);
+        let lines = MessageLines::new(stream.clone(), line);
+        let reader = stream
+            .set_nonblocking(false)
+            .and_then(|()| stream.set_nodelay(true))
+            .and_then(|()| thread::Builder::new().spawn(move || read_commands(lines, greeting, connection, &events)));
         match reader {
             Ok(_) => {
                 self.visitors.insert(connection, Visitor { stream, address });

@@ -7,6 +7,7 @@ use rpl_robot::geometry::Pose;
 use rpl_robot::simulator::{Commands, GripperCommand, Percept};
 use std::collections::VecDeque;
 use std::net::TcpStream;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Percepts whose commands are waited for, to tell how long they took.
@@ -17,7 +18,7 @@ pub(super) struct Mission {
     /// By which its events are told from those of an earlier one.
     pub connection: u64,
     pub percepts: Sender<String>,
-    pub stream: TcpStream,
+    pub stream: Arc<TcpStream>,
     pub who: Who,
     pub since: Instant,
     /// When it last said something.
@@ -35,7 +36,7 @@ pub(super) struct Mission {
 
 impl Mission {
     /// One that has just come, and is sent what is handed to `percepts`.
-    pub fn new(connection: u64, percepts: Sender<String>, stream: TcpStream, who: Who, since: Instant) -> Self {
+    pub fn new(connection: u64, percepts: Sender<String>, stream: Arc<TcpStream>, who: Who, since: Instant) -> Self {
         Self {
             connection,
             percepts,
