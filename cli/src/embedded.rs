@@ -110,7 +110,7 @@ pub fn figure(world: &World, robot_radius_m: f64, track: &[Sight], belief: Optio
     figures::mission(world, robot_radius_m, track, belief)
 }
 
-/// A drawing of a world as SVG.
-pub fn world_figure(world: &World) -> String {
-    figures::world(world)
+/// A drawing of a world as SVG, with a robot of this radius at the start.
+pub fn world_figure(world: &World, robot_radius_m: f64) -> String {
+    figures::world(world, robot_radius_m)
 }

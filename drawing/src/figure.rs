@@ -110,7 +110,7 @@ impl<'a> Figure<'a> {
         let length_m: f64 = self.tracks.iter().flat_map(|track| &track.lines_in_map).map(|line| length_m(line)).sum();
         let width_m = self.plan.bounds.max.x - self.plan.bounds.min.x;
         let weight = if length_m > LONG * width_m { 0.5 } else { 1.0 };
-        for kind in [TrackKind::Estimate, TrackKind::Link, TrackKind::Truth, TrackKind::Plan] {
+        for kind in [TrackKind::Round, TrackKind::Estimate, TrackKind::Link, TrackKind::Truth, TrackKind::Plan] {
             for track in self.tracks.iter().filter(|track| track.kind == kind) {
                 for line in track.lines_in_map.iter().filter(|line| !line.is_empty()) {
                     let drawn = ink::line(line, frame).set("class", kind.class());

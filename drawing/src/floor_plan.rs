@@ -3,7 +3,7 @@
 use super::frame::Frame;
 use super::ink::Raster;
 use super::labels::Labels;
-use super::legend::{Legend, Sign, place_sign};
+use super::legend::{Legend, Sign, door_style, place_radius_px, place_sign};
 use super::palette;
 use super::writing::{SMALL_PX, rounded};
 use rpl_robot::geometry::{Point, Vector};
@@ -32,7 +32,7 @@ pub struct FloorPlan {
 }
 
 impl FloorPlan {
-    /// That of a world, with the names of its rooms and places.
+    /// That of a world as it is, with the names of its rooms and places; what its map shows otherwise is marked.
     pub fn of_world(world: &World) -> Self {
         let resolution_m = (world.size_m.x.max(world.size_m.y) / UNKNOWN_CELLS).max(0.05);
         let mut plan = Self {
@@ -129,8 +129,9 @@ impl FloorPlan {
         let mut group = Group::new().set("class", "places");
         for place in &self.places {
             let (x_px, y_px) = frame.at(place.pose_in_map.point());
-            labels.take((x_px - 3.0, y_px - 3.0, x_px + 3.0, y_px + 3.0));
-            group = group.add(place_sign((x_px, y_px)));
+            let reach_px = place_radius_px(place.charges) + 0.4;
+            labels.take((x_px - reach_px, y_px - reach_px, x_px + reach_px, y_px + reach_px));
+            group = group.add(place_sign((x_px, y_px), place.charges));
         }
         group
     }
@@ -138,7 +139,8 @@ impl FloorPlan {
     /// The names of places, then those of rooms.
     pub fn names(&self, labels: &mut Labels, frame: Frame) {
         for place in &self.places {
-            labels.beside(&place.name, frame.at(place.pose_in_map.point()), 2.0, SMALL_PX, palette::PLACE);
+            let reach_px = place_radius_px(place.charges) - 0.6;
+            labels.beside(&place.name, frame.at(place.pose_in_map.point()), reach_px, SMALL_PX, palette::PLACE);
         }
         for room in &self.rooms {
             labels.around(&room.name, frame.at(room.rect.centre()), SMALL_PX, palette::QUIET);
@@ -149,20 +151,27 @@ impl FloorPlan {
     pub fn explain(&self, legend: &mut Legend) {
         legend.add(Sign::Wall, if self.walls.is_empty() { "occupied" } else { "wall" });
         if self.grid.cells.contains(&Cell::Unknown) {
-            legend.add(Sign::Unknown, "not in the map");
+            legend.add(Sign::Unknown, "unknown to the map");
         }
-        for (mapped, means) in [(true, "furniture"), (false, "not in the robot's map")] {
+        for (mapped, means) in [(true, "furniture"), (false, "furniture not in the robot's map")] {
             if self.objects.iter().any(|object| object.1 == mapped) {
                 legend.add(Sign::Furniture(mapped), means);
             }
         }
-        for (open, means) in [(true, "open door"), (false, "closed door")] {
-            if self.doors.iter().any(|door| door.open == open) {
-                legend.add(Sign::Door(open), means);
+        for (open, misdrawn, means) in [
+            (true, false, "open door"),
+            (false, false, "closed door"),
+            (true, true, "open, but closed in the robot's map"),
+            (false, true, "closed, but open in the robot's map"),
+        ] {
+            if self.doors.iter().any(|door| door.open == open && (door.open != door.mapped_open) == misdrawn) {
+                legend.add(Sign::Door { open, misdrawn }, means);
             }
         }
-        if !self.places.is_empty() {
-            legend.add(Sign::Place, "place");
+        for (charges, means) in [(false, "place"), (true, "place where the robot is charged")] {
+            if self.places.iter().any(|place| place.charges == charges) {
+                legend.add(Sign::Place { charges }, means);
+            }
         }
     }
 }
@@ -189,15 +198,10 @@ fn outlined<'o>(outlines: impl Iterator<Item = &'o Outline>, frame: Frame) -> Op
     (!data.is_empty()).then(|| Path::new().set("d", data))
 }
 
-/// A door: a bar where it is closed, dots where one goes through.
 fn drawn_door(door: &Door, frame: Frame) -> Line {
     let reach = door.along() * (door.width_m / 2.0);
     let ends: [Point; 2] = [door.at - reach, door.at + reach];
     let [(x1, y1), (x2, y2)] = ends.map(|end| frame.at(end));
     let line = Line::new().set("class", "door").set("x1", x1).set("y1", y1).set("x2", x2).set("y2", y2);
-    let line = line.set("stroke", palette::DOOR);
-    match door.open {
-        true => line.set("stroke-width", 1.2).set("stroke-dasharray", "2 2"),
-        false => line.set("stroke-width", 4),
-    }
+    door_style(line, door.open, door.open != door.mapped_open)
 }

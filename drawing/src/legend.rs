@@ -10,6 +10,9 @@ use svg::node::element::{Circle, Group, Line, Rectangle};
 const SIGN_PX: f64 = 26.0;
 const LINE_PX: f64 = 20.0;
 
+/// Half the side of the sign of a place.
+const PLACE_PX: f64 = 2.6;
+
 /// A sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sign {
@@ -19,10 +22,10 @@ pub enum Sign {
     Unknown,
     /// Furniture: in the map or not.
     Furniture(bool),
-    /// A door: open or not.
-    Door(bool),
-    /// A place with a name.
-    Place,
+    /// A door: open or not, and whether the robot's map says otherwise.
+    Door { open: bool, misdrawn: bool },
+    /// A place with a name: one where the robot is charged or not.
+    Place { charges: bool },
     /// A line.
     Track(TrackKind),
     /// A point among many.
@@ -99,24 +102,52 @@ fn drawn_sign(sign: Sign, x_px: f64, y_px: f64) -> Group {
         Sign::Furniture(false) => {
             group.add(area(palette::PAPER).set("stroke", palette::FURNITURE_EDGE).set("stroke-dasharray", "3 2"))
         }
-        Sign::Door(true) => group.add(line(palette::DOOR, 1.2).set("stroke-dasharray", "2 2")),
-        Sign::Door(false) => group.add(line(palette::DOOR, 4.0)),
-        Sign::Place => group.add(place_sign(middle_px)),
+        Sign::Door { open, misdrawn } => group.add(door_style(line(palette::DOOR, 1.0), open, misdrawn)),
+        Sign::Place { charges } => group.add(place_sign(middle_px, charges)),
         Sign::Track(kind) => group.add(track_style(line(palette::INK, 1.0), kind, 1.0)),
         Sign::Dot => group.add(dot(middle_px)),
         Sign::Mark(kind) => group.add(mark_at(kind, middle_px, 0.0, 6.0)),
     }
 }
 
-/// A place with a name.
-pub fn place_sign((x_px, y_px): (f64, f64)) -> Rectangle {
-    Rectangle::new()
-        .set("x", rounded(x_px - 2.6))
-        .set("y", rounded(y_px - 2.6))
-        .set("width", 5.2)
-        .set("height", 5.2)
+/// A door: dots where one goes through, a bar where it is closed; in the colour of the truth where the robot's map says
+/// otherwise.
+pub fn door_style(line: Line, open: bool, misdrawn: bool) -> Line {
+    let line = line.set("stroke", if misdrawn { palette::TRUTH } else { palette::DOOR });
+    match open {
+        true => line.set("stroke-width", 1.2).set("stroke-dasharray", "2 2"),
+        false => line.set("stroke-width", 4),
+    }
+}
+
+/// From the middle of a place's sign to its edge.
+pub fn place_radius_px(charges: bool) -> f64 {
+    if charges { 2.0 * PLACE_PX } else { PLACE_PX }
+}
+
+/// A place with a name; one where the robot is charged has a ring.
+pub fn place_sign((x_px, y_px): (f64, f64), charges: bool) -> Group {
+    let square = Rectangle::new()
+        .set("x", rounded(x_px - PLACE_PX))
+        .set("y", rounded(y_px - PLACE_PX))
+        .set("width", 2.0 * PLACE_PX)
+        .set("height", 2.0 * PLACE_PX)
         .set("transform", format!("rotate(45 {} {})", rounded(x_px), rounded(y_px)))
-        .set("fill", palette::PLACE)
+        .set("fill", palette::PLACE);
+    let sign = Group::new().add(square);
+    match charges {
+        true => sign.add(
+            Circle::new()
+                .set("class", "charger")
+                .set("cx", rounded(x_px))
+                .set("cy", rounded(y_px))
+                .set("r", place_radius_px(true))
+                .set("fill", "none")
+                .set("stroke", palette::PLACE)
+                .set("stroke-width", 1.4),
+        ),
+        false => sign,
+    }
 }
 
 /// A point among many.

@@ -1,4 +1,4 @@
-//! Drawings as SVG and PNG, in one palette: maps with the doings of a robot in them, scales of colour, parts of charts.
+//! Drawings as SVG, PNG and PDF, in one palette: maps with the doings of a robot in them, scales of colour, parts of charts.
 //!
 //! A drawing is a plan of the floor, tracks, dots and marks, each with its meaning. Colours, legend, scale, the place
 //! of names and the image beside it follow from that.
@@ -7,8 +7,9 @@
 //! (title, map, scale, legend on one page); `floor_plan` (what stands where); `ink` (cells as one outline, lines with
 //! fewer points); `labels` (names that do not cover each other); `marks` (robots, targets, lines) and `legend` (their
 //! meaning); `shades` (numbers as darkness) and `field` (the same around the robot); `figure` (all of it together);
-//! `raster` (PNG).
+//! `export` (PNG and PDF).
 
+pub mod export;
 mod field;
 mod figure;
 mod floor_plan;
@@ -18,7 +19,6 @@ mod labels;
 mod legend;
 mod marks;
 pub mod palette;
-pub mod raster;
 pub mod shades;
 mod sheet;
 pub mod writing;

@@ -4,7 +4,7 @@ use super::palette;
 use super::writing::rounded;
 use rpl_robot::geometry::Pose;
 use svg::Node;
-use svg::node::element::{Circle, Group, Line};
+use svg::node::element::{Circle, Group, Line, Rectangle};
 
 /// What a line is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum TrackKind {
     Plan,
     /// What belongs together.
     Link,
+    /// Where a person walks.
+    Round,
 }
 
 /// What stands out in a drawing.
@@ -34,6 +36,12 @@ pub enum MarkKind {
     Alternative,
     /// A landmark on a wall.
     Landmark,
+    /// A sheet on the floor.
+    Marker,
+    /// A thing that can be carried.
+    Item,
+    /// A person, where a round begins.
+    Person,
 }
 
 /// Something that stands out in a drawing.
@@ -59,6 +67,9 @@ impl MarkKind {
             Self::Target => "chosen target",
             Self::Alternative => "other target, with what it pays less [nats]",
             Self::Landmark => "landmark",
+            Self::Marker => "marker on the floor",
+            Self::Item => "thing that can be carried",
+            Self::Person => "person, where the round begins",
         }
     }
 }
@@ -71,6 +82,7 @@ impl TrackKind {
             Self::Estimate => "estimated-path",
             Self::Plan => "plan",
             Self::Link => "link",
+            Self::Round => "round",
         }
     }
 }
@@ -82,6 +94,7 @@ pub fn track_style<N: Node>(mut line: N, kind: TrackKind, weight: f64) -> N {
         TrackKind::Estimate => (palette::ESTIMATE_BAND, 6.0 * weight.max(0.6), None),
         TrackKind::Plan => (palette::TARGET, 2.0, Some("6 4")),
         TrackKind::Link => (palette::ESTIMATE, 1.2, None),
+        TrackKind::Round => (palette::PERSON, 1.2, Some("3 3")),
     };
     line.assign("stroke", colour);
     line.assign("stroke-width", rounded(width_px));
@@ -119,7 +132,26 @@ pub fn mark_at(kind: MarkKind, (x_px, y_px): (f64, f64), heading_rad: f64, radiu
         MarkKind::Landmark => {
             bare(palette::PAPER, 1.0).set("class", "dot").add(ring((x_px, y_px), 4.0).set("fill", palette::LANDMARK))
         }
+        MarkKind::Marker => bare(palette::LANDMARK, 1.2)
+            .set("class", "marker")
+            .add(square((x_px, y_px), 4.0).set("fill", palette::PAPER)),
+        MarkKind::Item => {
+            bare(palette::PAPER, 1.0).set("class", "item").add(square((x_px, y_px), 3.5).set("fill", palette::TARGET))
+        }
+        MarkKind::Person => {
+            let body = ring((x_px, y_px), radius_px).set("fill", palette::PAPER);
+            let head = ring((x_px, y_px), radius_px * 0.4).set("fill", palette::PERSON);
+            bare(palette::PERSON, 1.6).set("class", "person").add(body).add(head)
+        }
     }
+}
+
+fn square((x_px, y_px): (f64, f64), half_px: f64) -> Rectangle {
+    Rectangle::new()
+        .set("x", rounded(x_px - half_px))
+        .set("y", rounded(y_px - half_px))
+        .set("width", 2.0 * half_px)
+        .set("height", 2.0 * half_px)
 }
 
 fn ring((x_px, y_px): (f64, f64), radius_px: f64) -> Circle {

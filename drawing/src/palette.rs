@@ -19,6 +19,8 @@ pub(crate) const FURNITURE_EDGE: &str = "#8a8272";
 pub(crate) const DOOR: &str = "#b07a12";
 /// Landmarks.
 pub(crate) const LANDMARK: &str = "#8a4b86";
+/// People.
+pub(crate) const PERSON: &str = "#8a4b86";
 /// Where the robot really is.
 pub(crate) const TRUTH: &str = "#c44100";
 /// Where it believes it is.

@@ -222,7 +222,14 @@ impl<H: Host> Server<'_, H> {
         self.door.refuse(&stream, refused, self.tell);
     }
 
-    fn welcome(&mut self, connection: u64, stream: Arc<TcpStream>, address: SocketAddr, said: MissionHello, at: Instant) {
+    fn welcome(
+        &mut self,
+        connection: u64,
+        stream: Arc<TcpStream>,
+        address: SocketAddr,
+        said: MissionHello,
+        at: Instant,
+    ) {
         let (percepts, to_write) = bounded(self.service.most_unsent());
         let (_, line) = self.service.times();
         let writing = stream.clone();

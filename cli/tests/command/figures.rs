@@ -43,7 +43,7 @@ fn the_pictures_of_the_book_are_those_that_the_command_draws() {
 }
 
 #[test]
-fn an_image_lies_beside_each_drawing_and_is_as_wide() {
+fn an_image_and_a_page_lie_beside_each_drawing() {
     let folder = folder("figure-images");
     let ended = run_in(&folder, &["worlds", "test-room", "--svg", "world.svg", "--map", "map"]);
     assert_eq!(ended.status, 0, "{}", ended.errors);
@@ -65,4 +65,21 @@ fn an_image_lies_beside_each_drawing_and_is_as_wide() {
     // The width stands after the signature, and the length and name of the first chunk.
     let pixels = u32::from_be_bytes(image[16..20].try_into().expect("four bytes"));
     assert_eq!(f64::from(pixels), (2.0 * width).ceil());
+    // The page is as wide as browsers would print the drawing: 96 pixels are an inch, and an inch is 72 points.
+    let page = fs::read(folder.join("figures/paths.pdf")).expect("it is drawn");
+    let text = String::from_utf8_lossy(&page);
+    assert!(text.starts_with("%PDF-") && text.ends_with("%<!-- drawn by rpl run -->\n"));
+    let right = text.split("/MediaBox [").nth(1).and_then(|rest| rest.split(' ').nth(2)).expect("a page has a size");
+    assert!((right.parse::<f64>().expect("a number") - width * 0.75).abs() < 0.1, "{right} for {width}");
+    // They are drawn again, but what somebody else has put there stays.
+    let run = ["run", "plan.rpl", "--world", "test-room", "--figures", "figures"];
+    assert_eq!(run_in(&folder, &run).status, 0);
+    crate::folder::put(&folder, "figures/paths.pdf", "mine");
+    let ended = run_in(&folder, &run);
+    assert!(
+        ended.status == 2 && ended.errors.contains("`figures/paths.pdf` was not drawn by this command"),
+        "{}",
+        ended.errors
+    );
+    assert_eq!(fs::read(folder.join("figures/paths.pdf")).expect("it is there"), b"mine");
 }

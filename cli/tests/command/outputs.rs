@@ -14,9 +14,11 @@ fn names(folder: &Path) -> Vec<String> {
 
 /// A world of one room, and its map as an image.
 fn put_world(folder: &Path) {
-    assert_eq!(run_in(folder, &["worlds", "test-room", "--png", "map.png"]).status, 0);
+    assert_eq!(run_in(folder, &["worlds", "test-room", "--map", "map"]).status, 0);
+    fs::rename(folder.join("map/map.pgm"), folder.join("map.pgm")).expect("it is written");
+    fs::remove_dir_all(folder.join("map")).expect("it is there");
     let yaml =
-        "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
+        "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
     put(folder, "map.yaml", yaml);
 }
 
@@ -44,13 +46,13 @@ fn no_output_takes_the_place_of_an_input() {
     let before: Vec<Vec<u8>> =
         names(&folder).iter().map(|name| fs::read(folder.join(name)).expect("it is there")).collect();
     let run = ["run", "plan.rpl", "--world", "map.yaml", "--scenario", "scenario.rpl"];
-    for output in ["plan.rpl", "./plan.rpl", &here, "link", "part.rpl", "twin", "scenario.rpl", "map.yaml", "map.png"] {
+    for output in ["plan.rpl", "./plan.rpl", &here, "link", "part.rpl", "twin", "scenario.rpl", "map.yaml", "map.pgm"] {
         let Ended { out, errors, status } = run_in(&folder, &[&run[..], &["--trace", output]].concat());
         assert_eq!((out.as_str(), status), ("", 2), "{output}: {errors}");
         assert!(errors.contains(output) && errors.contains("which this command reads"), "{output}: {errors}");
     }
-    for kind in ["--svg", "--png"] {
-        let Ended { errors, status, .. } = run_in(&folder, &["worlds", "map.yaml", kind, "map.png"]);
+    for kind in ["--svg", "--png", "--pdf"] {
+        let Ended { errors, status, .. } = run_in(&folder, &["worlds", "map.yaml", kind, "map.pgm"]);
         assert!(status == 2 && errors.contains("which this command reads"), "{kind}: {errors}");
     }
     let after: Vec<Vec<u8>> =
@@ -100,7 +102,7 @@ fn old_figures_do_not_stay_among_the_new_ones() {
     assert_eq!(status, 0, "{errors}");
     assert_eq!(
         names(&figures),
-        ["belief.png", "belief.svg", "mine.svg", "notes.txt", "paths.png", "paths.svg"],
+        ["belief.pdf", "belief.png", "belief.svg", "mine.svg", "notes.txt", "paths.pdf", "paths.png", "paths.svg"],
         "before: {first:?}"
     );
     // Somebody's drawing of the same name is not overwritten, and that is said before the run.

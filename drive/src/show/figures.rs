@@ -9,6 +9,7 @@ use rpl_mission::sight::{PositionBelief, Sight};
 use rpl_robot::active::{ActionField, Choice};
 use rpl_robot::geometry::{Point, Pose, distance_m};
 use rpl_robot::localization::Maximum;
+use rpl_robot::simulator::PERSON_RADIUS_M;
 use rpl_robot::world::World;
 use rpl_shell::files::outputs::OutputFolder;
 use std::path::Path;
@@ -58,11 +59,23 @@ pub fn mission(world: &World, robot_radius_m: f64, track: &[Sight], belief: Opti
     Figure { belief, ..paths(world, robot_radius_m, track, JUMP_M) }.draw()
 }
 
-/// A world without a robot.
-pub fn world(world: &World) -> String {
+/// A world as it is at the start of a run: what the robot's map shows otherwise is marked.
+pub fn world(world: &World, robot_radius_m: f64) -> String {
     let mut figure = Figure::new(&world.name, FloorPlan::of_world(world));
-    figure.marks =
-        (world.landmarks.iter()).map(|landmark| mark(MarkKind::Landmark, landmark.pose_in_map, 0.0, "")).collect();
+    let shown = if world.recorded.is_some() { "the recorded map" } else { "the world as it is" };
+    figure.subtitle = format!("{shown}, {:.1} m by {:.1} m", world.size_m.x, world.size_m.y);
+    if world.crowd > 0 {
+        figure.subtitle += &format!("; {} people more walk about, drawn from the seed", world.crowd);
+    }
+    let at = |point: Point| Pose::new(point.x, point.y, 0.0);
+    let rounds = world.people.iter().filter(|person| person.path.len() > 1).map(|person| person.path.clone());
+    figure.track(TrackKind::Round, "round of a person", rounds.collect());
+    let marks = &mut figure.marks;
+    marks.extend(world.landmarks.iter().map(|sheet| mark(MarkKind::Landmark, sheet.pose_in_map, 0.0, "")));
+    marks.extend(world.markers.iter().map(|sheet| mark(MarkKind::Marker, at(sheet.at), 0.0, "")));
+    marks.extend(world.items.iter().map(|item| mark(MarkKind::Item, at(item.at), 0.0, &item.name)));
+    marks.extend(world.people.iter().map(|person| mark(MarkKind::Person, at(person.path[0]), PERSON_RADIUS_M, "")));
+    marks.push(mark(MarkKind::Robot, world.start_in_map, robot_radius_m, "start"));
     figure.draw()
 }
 
@@ -224,6 +237,38 @@ mod tests {
             assert!(drawn.contains(part), "{part} is missing in {drawn}");
         }
         assert_eq!(drawn, mission(&world, 0.265, &track, None));
+    }
+
+    #[test]
+    fn a_world_is_drawn_as_it_is_with_what_the_map_shows_otherwise() {
+        let text = "name = \"w\"\nsize = [8.0, 5.0]\nstart = [1.0, 1.0, 0]\n\
+                    [[wall]]\nline = [[0, 3], [8, 3]]\nthickness = 0.2\n\
+                    [[room]]\nname = \"r\"\nrect = [0, 3.1, 4, 5]\n\
+                    [[door]]\nroom = \"r\"\nat = [1, 3]\nwidth = 1\naxis = \"x\"\nopen = false\nmapped_open = true\n\
+                    [[door]]\nroom = \"r\"\nat = [3, 3]\nwidth = 1\naxis = \"x\"\nopen = true\nmapped_open = false\n\
+                    [[object]]\nname = \"box\"\nrect = [2, 0.5, 2.4, 0.9]\nmapped = false\n\
+                    [[person]]\npath = [[5, 0.5], [5, 2]]\nspeed = 1\n\
+                    [[marker]]\nat = [3.5, 1.5]\ncolour = \"green\"\n\
+                    [[item]]\nname = \"parcel\"\nat = [7, 1]\n\
+                    [[place]]\nname = \"dock\"\npose = [6.5, 2.2, 0]\ncharges = true\n";
+        let drawn = world(&World::parse(text, "w.toml").expect("no faults"), 0.265);
+        for part in [
+            "the world as it is, 8.0 m by 5.0 m",
+            "open, but closed in the robot",
+            "closed, but open in the robot",
+            "furniture not in the robot",
+            "place where the robot is charged",
+            "round of a person",
+            "person, where the round begins",
+            "marker on the floor",
+            "thing that can be carried",
+            "\nparcel\n",
+            "\ndock\n",
+            "\nstart\n",
+        ] {
+            assert!(drawn.contains(part), "{part} is missing in {drawn}");
+        }
+        assert!(!world(&World::builtin("test-room").expect("it is built in"), 0.265).contains("person"));
     }
 
     #[test]

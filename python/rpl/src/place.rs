@@ -66,6 +66,8 @@ impl Robot {
 pub struct World {
     /// What stands where.
     pub world: Arc<world::World>,
+    /// Of the robot that stands at the start.
+    robot_radius_m: f64,
 }
 
 #[pymethods]
@@ -75,7 +77,7 @@ impl World {
     fn new(py: Python<'_>, name: &str, robot: Option<&Robot>, seed: u64) -> PyResult<Self> {
         let robot = robot.map_or_else(RobotDescription::papers, |robot| robot.description.clone());
         let world = py.detach(|| embedded::world(name, &robot, seed)).map_err(wrong)?;
-        Ok(Self { world: Arc::new(world) })
+        Ok(Self { world: Arc::new(world), robot_radius_m: robot.radius_m })
     }
 
     /// The worlds that need no file.
@@ -110,7 +112,7 @@ impl World {
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> String {
-        py.detach(|| embedded::world_figure(&self.world))
+        py.detach(|| embedded::world_figure(&self.world, self.robot_radius_m))
     }
 
     fn __repr__(&self) -> String {

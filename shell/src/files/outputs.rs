@@ -5,9 +5,9 @@
 use crate::files::inputs;
 use crate::files::shown::Shown;
 use anyhow::{Context, Result, bail};
-use rpl_drawing::raster;
+use rpl_drawing::export;
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -147,7 +147,7 @@ impl OutputFolder {
     pub fn open_for(path: &Path, command: &str, names: &[&str]) -> Result<Self> {
         let folder = Self::open(path, command)?;
         let paths = names.iter().map(|name| folder.path.join(name));
-        paths.flat_map(|path| [path.with_extension("png"), path]).try_for_each(|path| folder.refuse_foreign(&path))?;
+        paths.flat_map(formats_of).try_for_each(|path| folder.refuse_foreign(&path))?;
         Ok(folder)
     }
 
@@ -161,7 +161,7 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Writes a figure, `name.svg` and beside it `name.png`. The first one takes the place of all that an earlier run has
+    /// Writes a figure, `name.svg` and beside it `name.png` and `name.pdf`. The first one takes the place of all that an earlier run has
     /// left.
     ///
     /// # Errors
@@ -170,14 +170,14 @@ impl OutputFolder {
         for old in std::mem::take(&mut self.old) {
             fs::remove_file(&old).with_context(|| format!("cannot remove the old drawing `{}`", old.shown()))?;
         }
-        let path = self.path.join(name);
-        let image = path.with_extension("png");
-        [&path, &image].into_iter().try_for_each(|path| self.refuse_foreign(path))?;
+        let paths = formats_of(self.path.join(name));
+        paths.iter().try_for_each(|path| self.refuse_foreign(path))?;
         let text = format!("{}\n{}\n", drawing.trim_end(), self.mark);
-        let pixels = raster::png(drawing, &self.mark).with_context(|| format!("`{name}` cannot become an image"))?;
-        let cannot = |path: &Path| format!("cannot write the drawing `{}`", path.shown());
-        fs::write(&path, text).with_context(|| cannot(&path))?;
-        fs::write(&image, pixels).with_context(|| cannot(&image))
+        let pixels = export::png(drawing, &self.mark).with_context(|| format!("`{name}` cannot become an image"))?;
+        let page = export::pdf(drawing, &self.mark).with_context(|| format!("`{name}` cannot become a PDF"))?;
+        paths.iter().zip([text.into_bytes(), pixels, page]).try_for_each(|(path, bytes)| {
+            fs::write(path, bytes).with_context(|| format!("cannot write the drawing `{}`", path.shown()))
+        })
     }
 
     /// What is no figure, empty, to be written on and on.
@@ -237,19 +237,35 @@ pub fn write_new(path: &Path, text: &str, may_overwrite: bool) -> Result<(), Str
     file.write_all(text.as_bytes()).map_err(|error| inputs::reason(&error))
 }
 
+/// The files of a figure: SVG, PNG, PDF.
+fn formats_of(svg: PathBuf) -> [PathBuf; 3] {
+    let (png, pdf) = (svg.with_extension("png"), svg.with_extension("pdf"));
+    [svg, png, pdf]
+}
+
 fn is_drawing(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "svg" || extension == "png") && path.is_file()
+    path.extension().is_some_and(|extension| ["svg", "png", "pdf"].iter().any(|format| extension == *format))
+        && path.is_file()
 }
 
 /// The text of an image stands before its pixels.
 const IMAGE_HEAD_BYTES: u64 = 1024;
 
-/// Whether the last line of a drawing is this mark, or the first bytes of an image have it.
+/// The mark stands at the end of a text or a page, before its last line break.
+const MARK_TAIL_BYTES: u64 = 256;
+
+/// Whether this mark stands at the beginning of an image, or at the end of any other drawing.
 fn bears(path: &Path, mark: &str) -> bool {
     if path.extension().is_some_and(|extension| extension == "png") {
         let mut head = Vec::new();
         let is_read = File::open(path).and_then(|file| file.take(IMAGE_HEAD_BYTES).read_to_end(&mut head)).is_ok();
         return is_read && head.windows(mark.len()).any(|part| part == mark.as_bytes());
     }
-    fs::read_to_string(path).is_ok_and(|text| text.trim_end().ends_with(mark))
+    let mut tail = Vec::new();
+    let is_read = File::open(path).and_then(|mut file| {
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(MARK_TAIL_BYTES)))?;
+        file.take(MARK_TAIL_BYTES).read_to_end(&mut tail)
+    });
+    is_read.is_ok() && tail.trim_ascii_end().ends_with(mark.as_bytes())
 }
