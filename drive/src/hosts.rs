@@ -164,6 +164,11 @@ impl HostSource {
         }
     }
 
+    /// Whether what the host said was recorded.
+    pub fn is_recording(&self) -> bool {
+        matches!(self, HostSource::Recorded { .. })
+    }
+
     /// What a recording says of the host.
     pub fn heard(&self) -> Option<HostHeard> {
         match self {

@@ -5,7 +5,7 @@ use crate::lexer::{Token, lex};
 use crate::source::{Sources, Span};
 
 /// What is written between operands elsewhere.
-const OPERATORS: &[&str] = &["<", "<=", ">", ">=", "=", "/=", "+", "-", "*", "/", "eq", "equal", "mod"];
+const OPERATORS: &[&str] = &["<", "<=", ">", ">=", "=", "/=", "+", "-", "*", "/", "eq", "equal", "mod", "and", "or"];
 
 /// The part of a form that is looked at, so that forms inside one another cost no more than they are long.
 const LOOKED_AT_BYTES: usize = 200;
@@ -24,6 +24,10 @@ impl Infix {
     /// How it is to be written.
     pub(crate) fn advice(&self) -> String {
         let Self { operator, left, right, .. } = self;
+        if matches!(operator.as_str(), "and" | "or") {
+            // What stands beside it may be half of a comparison.
+            return format!("the operator stands first: `({operator} TEST TEST)`");
+        }
         format!("the operator stands first: `({operator} {left} {right})`")
     }
 }
@@ -67,6 +71,36 @@ pub(crate) fn infix_in(sources: &Sources, form: Span, behind_items: u32) -> Opti
         }
     }
     None
+}
+
+/// Where the list begins that a place lies in, if that is near.
+pub(crate) fn enclosing_list(sources: &Sources, place: Span) -> Option<u32> {
+    let text = &sources.get(place.source).text;
+    let before = text.as_bytes().get(..place.start as usize)?;
+    let (mut depth, mut at) = (0_u32, before.len());
+    for byte in before.iter().rev().take(LOOKED_AT_BYTES) {
+        at -= 1;
+        match byte {
+            b')' => depth += 1,
+            b'(' if depth == 0 => return Some(at as u32),
+            b'(' => depth -= 1,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The operator that a place names, if it stands between two operands of a list.
+pub(crate) fn infix_of_name(sources: &Sources, name: Span) -> Option<Infix> {
+    let start = enclosing_list(sources, name)?;
+    let text = &sources.get(name.source).text;
+    let end = text.floor_char_boundary(name.end as usize + LOOKED_AT_BYTES);
+    let around = Span { start, end: end as u32, ..name };
+    let (tokens, _) = lex(sources.text_of(around), name.source);
+    let words = tokens.into_iter().filter(|(token, _)| !token.is_comment());
+    let tokens: Vec<(Token, Span)> = words.map(|(token, span)| (token, within(around, span))).collect();
+    let at = tokens.iter().position(|(_, span)| span.start == name.start)?;
+    infix_at(sources, &tokens, at)
 }
 
 /// The operator at a place among the tokens, if it stands between two operands.

@@ -138,6 +138,7 @@ pub fn lex(text: &str, source: SourceId) -> (Vec<(Token, Span)>, Vec<Diagnostic>
     found.extend(invalid.map(|run| invalid_characters(text, run)));
     found.extend(reordered(text, &tokens));
     found.extend(joined(text, &tokens));
+    found.extend(called_from_outside(text, &tokens));
     found.sort_by_key(|diagnostic| diagnostic.span.start);
     (tokens, found)
 }
@@ -240,6 +241,39 @@ fn joined(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
     told.collect()
 }
 
+/// Calls as other languages write them: a name, and the parenthesis directly behind it.
+fn called_from_outside(text: &str, tokens: &[(Token, Span)]) -> Vec<Diagnostic> {
+    let written = |span: Span| &text[span.start as usize..span.end as usize];
+    let touching = tokens.windows(2).enumerate().filter_map(|(at, pair)| match *pair {
+        [(Token::Symbol, name), (next, behind)] if name.end == behind.start => {
+            let is_head = at.checked_sub(1).is_some_and(|before| tokens[before].0 == Token::Open);
+            match next {
+                Token::Open if !is_head => Some((name, behind, true)),
+                Token::Str if written(name) == "f" => Some((name, behind, false)),
+                _ => None,
+            }
+        }
+        _ => None,
+    });
+    let told = touching.map(|(name, behind, is_call)| {
+        let word = written(name);
+        let (code, message, help) = match is_call {
+            true => (
+                "call-outside",
+                format!("the parenthesis stands behind `{word}`"),
+                format!("the name of a call stands inside the parentheses: `({word} …)`"),
+            ),
+            false => (
+                "format-prefix",
+                "a text has no prefix".to_string(),
+                "values are put into a text by `(format \"going to ~a\" PLACE)`".to_string(),
+            ),
+        };
+        Diagnostic::error(code, name.to(behind), message, "written as one").help(help)
+    });
+    told.collect()
+}
+
 fn atom(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
     let text = lexer.slice();
     if let Some((at, character)) = text.char_indices().find(|&(_, character)| is_invisible(character)) {
@@ -292,6 +326,11 @@ fn unknown_hash(lexer: &mut Lexer<'_>) -> FilterResult<Token, ()> {
         )
     } else if text.starts_with("#:") {
         ("a name made by `gensym` cannot be read".to_string(), "no text can name it; give it a name of your own")
+    } else if text == "#" && lexer.remainder().starts_with([' ', '\t', '!', '#', '\n']) {
+        // What is meant as a comment is passed over, and told of once.
+        let line = lexer.remainder().find('\n').unwrap_or(lexer.remainder().len());
+        lexer.bump(line);
+        ("`#` begins no comment".to_string(), "a comment begins with `;`")
     } else {
         (
             format!("`{}` has no meaning", visible(text)),

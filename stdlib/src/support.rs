@@ -6,6 +6,7 @@ use crate::arguments::{
 };
 use crate::symbols::named;
 use rpl_lang::code::GlobalKind;
+use rpl_lang::diagnostic::NOT_OF_THE_FORM;
 use rpl_lang::kind::Kind;
 use rpl_lang::symbol::{Qualifier, base_name};
 use rpl_runtime::state::failure::Raise;
@@ -224,7 +225,7 @@ fn assign_slot(call: &mut Call<'_, '_>) -> NativeResult {
 
 /// What a macro raises when its form is not of the right shape.
 fn malformed(call: &mut Call<'_, '_>) -> NativeResult {
-    Err(Raise::type_error(format!("this is not of the form {}", call.text(0)?)))
+    Err(Raise::type_error(format!("{NOT_OF_THE_FORM}{}", call.text(0)?)))
 }
 
 /// Support of the prelude.

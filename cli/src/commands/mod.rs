@@ -134,9 +134,15 @@ impl Command {
 pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
     let is_known = error.get(ContextKind::SuggestedSubcommand).is_some();
     let typed = match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(typed)) if !is_known => typed.clone(),
+        Some(ContextValue::String(typed)) if !is_known || typed.ends_with(".rpl") => typed.clone(),
         Some(_) | None => return error,
     };
+    if typed.ends_with(".rpl") {
+        error.remove(ContextKind::SuggestedSubcommand);
+        let advice = format!("to run a plan write `rpl run {typed}`");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![advice.into()]));
+        return error;
+    }
     let commands = CommandLine::command();
     if let Some(meant) = suggest(&typed, commands.get_subcommands().map(clap::Command::get_name)) {
         error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![meant.to_string()]));

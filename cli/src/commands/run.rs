@@ -16,6 +16,7 @@ use rpl_drive::run_record::Records;
 use rpl_drive::seen::{LiveArguments, SeenRun, plan_texts};
 use rpl_drive::show::figures;
 use rpl_drive::trace::TraceFile;
+use rpl_lang::visible::visible;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_robot::world::World;
@@ -34,6 +35,7 @@ use rpl_shell::files::project_file::Project;
 use rpl_shell::files::shown::Shown;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -193,7 +195,11 @@ pub fn run_on(
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
         bail!("without a robot there are no poses and no figures; add `--world dept`");
     }
+    let checked = (!source.is_recording() && !console.quiet && io::stderr().is_terminal()).then(|| plan.clone());
     let Some(loaded) = load(&site.library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
+    if let Some(plan) = checked {
+        tell_warnings(&site.library, &plan, file, loaded.warnings.len(), console);
+    }
 
     let figures = output.figures.as_deref().map(figures::open_folder).transpose()?;
     let observed = Observed::with_scenes(output.figures.is_some());
@@ -312,6 +318,16 @@ pub fn load(library: &Library, plan: PlanText, set: &[String], console: &mut Con
             console.note(rejected.render(console.colour).trim_end());
             Ok(None)
         }
+    }
+}
+
+/// Somebody who watches is told that `rpl check` would find something; a script is not.
+fn tell_warnings(library: &Library, plan: &PlanText, file: &str, shown: usize, console: &mut Console) {
+    let (findings, _) = library.check(&plan.name, &plan.text, None, &mut plan.folder.clone());
+    match findings.len().saturating_sub(shown) {
+        0 => {}
+        1 => console.note(&format!("1 warning; `rpl check {}` shows it", visible(file))),
+        count => console.note(&format!("{count} warnings; `rpl check {}` shows them", visible(file))),
     }
 }
 

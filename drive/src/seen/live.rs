@@ -5,7 +5,7 @@ use super::head;
 use super::steering::Steering;
 use crate::onlooker::{Happened, Onlooker};
 use crate::trace::Header;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
@@ -81,7 +81,12 @@ const PORT: u16 = 7420;
 
 /// `localhost`, `:8080`, `0.0.0.0:8080`, `::1`.
 fn socket_address(text: &str) -> Result<SocketAddr> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if is_number && text.parse::<u16>().is_err() {
+        bail!("`{text}` is no port: ports go up to 65535");
+    }
     let whole = match text {
+        _ if is_number => format!("localhost:{text}"),
         _ if text.starts_with(':') && !text.starts_with("::") => format!("localhost{text}"),
         _ if text.parse::<std::net::Ipv6Addr>().is_ok() => format!("[{text}]:{PORT}"),
         _ if text.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()) => text.to_string(),

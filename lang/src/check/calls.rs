@@ -2,12 +2,13 @@
 //! that does not fit.
 
 use super::infix;
-use super::kinds::found_in;
+use super::kinds::{Found, found_in};
 use super::known::Check;
 use super::walk::each_form;
 use crate::code::{Atom, Constant, GlobalKind, Parameters};
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
+use crate::number::unit_names;
 use crate::source::Span;
 use crate::suggest::suggest;
 
@@ -52,10 +53,10 @@ fn global_call(check: &Check<'_>, global: u32, arguments: &[Ir], span: Span, fou
 fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found: &mut Vec<Diagnostic>) {
     let (name, value) = match value.kind {
         IrKind::Local(variable) => match check.bindings().constant(variable) {
-            Some(value) => (check.variable_name(variable), value),
+            Some(value) => (Some(check.variable_name(variable)), value),
             None => return,
         },
-        _ => ("this function", value),
+        _ => (None, value),
     };
     let is_data = match value.kind {
         IrKind::Int(_) | IrKind::True | IrKind::Binary(..) => true,
@@ -65,9 +66,19 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
         _ => false,
     };
     if is_data {
-        let message = format!("`{name}` is a local variable here, and no function");
-        found.push(check.warning("wrong-call", span, message, "cannot be called"));
+        let message = match name {
+            Some(name) => format!("`{name}` is a local variable here, and no function"),
+            None => format!("this calls `{}`, which is no function", check.shown(value)),
+        };
+        let warning = check.warning("wrong-call", span, message, "cannot be called");
+        found.push(match name {
+            Some(_) => warning,
+            None => {
+                warning.help(format!("as an argument it stands without these parentheses: `{}`", check.shown(value)))
+            }
+        });
     }
+    let name = name.unwrap_or("this function");
     let IrKind::Lambda(function) = &value.kind else { return };
     if !function.parameters.accepts(arguments.len()) {
         let count = arguments.len();
@@ -107,9 +118,10 @@ pub(super) fn unknown_keywords(
     span: Span,
     found: &mut Vec<Diagnostic>,
 ) {
-    for pair in pairs.chunks(2) {
+    for (number, pair) in pairs.chunks(2).enumerate() {
         let Some(key) = check.keyword(&pair[0]).map(|key| check.name(key)) else {
-            found.extend(no_keyword(check, name, known, pair, span));
+            let before = number.checked_sub(1).map(|before| &pairs[2 * before + 1]);
+            found.extend(no_keyword(check, name, known, pair, before, span));
             return;
         };
         let place = super::places::keyword(&check.subject.program.sources, span, pair[0].span, key);
@@ -131,7 +143,14 @@ pub(super) fn unknown_keywords(
 }
 
 /// What stands where only pairs of keyword and value are taken, and visibly begins none.
-fn no_keyword(check: &Check<'_>, name: &str, known: &[&str], pair: &[Ir], call: Span) -> Option<Diagnostic> {
+fn no_keyword(
+    check: &Check<'_>,
+    name: &str,
+    known: &[&str],
+    pair: &[Ir],
+    before: Option<&Ir>,
+    call: Span,
+) -> Option<Diagnostic> {
     let [first, rest @ ..] = pair else { return None };
     let what = match (found_in(check, first), rest) {
         (Some(found), _) => format!("is {}", found.noun()),
@@ -146,6 +165,16 @@ fn no_keyword(check: &Check<'_>, name: &str, known: &[&str], pair: &[Ir], call: 
     let subject = shown.as_ref().map_or("one argument".to_string(), |shown| format!("`{shown}`"));
     let message = format!("`{name}` takes only keywords with values here, and {subject} {what}");
     let warning = check.warning("unknown-parameter", check.narrowed(call, first), message, "a keyword is missing");
+    let is_number = |ir: &Ir| matches!(found_in(check, ir), Some(Found::Integer | Found::Float));
+    let unit = shown.as_deref().filter(|shown| unit_names().any(|unit| unit == *shown));
+    if let (Some(number), Some(unit)) = (before.filter(|number| is_number(number)), unit) {
+        return Some(
+            warning.help(format!("a number and its unit are one word: write `{}{unit}`", check.shown(number))),
+        );
+    }
+    if is_number(first) && name == "go-to" {
+        return Some(warning.help("to drive to coordinates write `(go-to-point X Y)`"));
+    }
     Some(warning.help(match known {
         [] => "it has no parameters".to_string(),
         [only] => format!("write `:{only} {}`", shown.as_deref().unwrap_or("VALUE")),

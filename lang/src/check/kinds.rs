@@ -2,7 +2,7 @@
 
 use super::known::Check;
 use super::walk::{each_form, each_form_within};
-use crate::code::{Atom, Constant, GlobalKind, Part};
+use crate::code::{Atom, CodeKind, Constant, GlobalKind, Part};
 use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
@@ -113,7 +113,10 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         }
         IrKind::Whenever { fluent, .. } => look("whenever", Kind::Fluent, fluent),
         IrKind::Construct(construct) => match &construct.argument {
-            Some(ArgumentIr::Deadline { seconds, .. }) => look("with-timeout", Kind::Seconds, seconds),
+            Some(ArgumentIr::Deadline { seconds, .. }) => {
+                look("with-timeout", Kind::Seconds, seconds);
+                found.extend(seconds_that_act(check, seconds));
+            }
             Some(ArgumentIr::Priority(number)) => look("with-priority", Kind::Number, number),
             Some(ArgumentIr::Quorum { successes, failures }) => {
                 let numbers = [successes, failures].into_iter().filter(|number| check.keyword(number).is_none());
@@ -202,6 +205,19 @@ pub(super) fn found_in(check: &Check<'_>, ir: &Ir) -> Option<Found> {
     }
 }
 
+/// What stands where `with-timeout` wants its seconds, and is something to be done.
+fn seconds_that_act(check: &Check<'_>, seconds: &Ir) -> Option<Diagnostic> {
+    let is_plan = match &seconds.kind {
+        IrKind::Call(Callee::Global(global), _) => {
+            check.known(*global).is_some_and(|known| known.function.kind == CodeKind::Plan)
+        }
+        IrKind::Construct(_) | IrKind::Whenever { .. } | IrKind::WaitFor { .. } | IrKind::Loop(_) => true,
+        _ => false,
+    };
+    let warning = || check.warning("wrong-kind", seconds.span, "the seconds of `with-timeout` come first", "no number");
+    is_plan.then(|| warning().help("write `(with-timeout SECONDS FORM...)`"))
+}
+
 fn wrong_kind(check: &Check<'_>, form: &str, kind: Kind, around: Span, ir: &Ir, warnings: &mut Vec<Diagnostic>) {
     let Some(found) = found_in(check, ir).filter(|found| !found.may_be(kind)) else { return };
     let place = check.narrowed(around, ir);
@@ -231,8 +247,11 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
                 check.subject.program.names.contains_key(&symbol) || check.natives.contains_key(name)
             });
             let is_thing = matches!(kind, Kind::Valve | Kind::Fluent | Kind::Task | Kind::Behaviour | Kind::Function);
-            if is_defined || is_thing {
+            if is_defined {
                 return Some(format!("without the quote `{name}` is the thing itself"));
+            }
+            if is_thing {
+                return Some(format!("if a variable or a tag is called `{name}`, write it without the quote"));
             }
             matches!(form, "`=`" | "`/=`").then(|| "`eq` compares symbols".to_string())
         }

@@ -6,7 +6,7 @@ use super::known::Check;
 use super::places::brief;
 use super::unused::is_idle;
 use super::walk::{each_form, each_form_within};
-use crate::compile::ir::{Callee, Function, Ir, IrKind};
+use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::stack::deep;
@@ -17,9 +17,27 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
         each_form(root, &mut |ir| {
             let IrKind::Construct(construct) = &ir.kind else { return };
             let policy = construct.policy().map(|policy| &policy.body);
-            found.extend(policy.and_then(|policy| policy_that_ends(check, policy)));
+            let ends = || policy.and_then(|policy| policy_that_ends(check, policy));
+            found.extend(in_the_wrong_order(check, construct).or_else(ends));
         });
     }
+}
+
+/// A policy that ends, around a body that never does: the two were meant the other way round.
+fn in_the_wrong_order(check: &Check<'_>, construct: &ConstructIr) -> Option<Diagnostic> {
+    let policy = &construct.policy()?.body;
+    let body = &construct.children.last()?.body;
+    let is_whenever = |ir: &Ir| match &ir.kind {
+        IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
+        kind => matches!(kind, IrKind::Whenever { .. }),
+    };
+    let acts = matches!(policy.body.kind, IrKind::Call(..) | IrKind::Construct(_));
+    if !acts || !is_whenever(&body.body) || !Flow::new(check).completes(&policy.body) {
+        return None;
+    }
+    let warning =
+        check.warning("policy-ends", policy.span, "this policy ends, and the body never does", "keeps nothing");
+    Some(warning.help("the policy comes first: `(with-policy (whenever CONDITION FORM...) FORM...)`"))
 }
 
 fn policy_that_ends(check: &Check<'_>, policy: &Function) -> Option<Diagnostic> {

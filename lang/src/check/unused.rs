@@ -74,8 +74,35 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
         found.extend(unused_binding(check, VarId(number)));
     }
     for root in check.roots() {
-        each_form(root, &mut |ir| unused_values(check, ir, found));
+        each_form(root, &mut |ir| {
+            unused_values(check, ir, found);
+            found.extend(without_clean_up(check, ir));
+        });
     }
+    for test in &check.subject.text.tests {
+        found.extend(value_of_test(check, &test.body));
+    }
+}
+
+/// `(unwind-protect FORM)` and `(evap-protect FORM)`: nothing is cleaned up.
+fn without_clean_up(check: &Check<'_>, ir: &Ir) -> Option<Diagnostic> {
+    let IrKind::Cleanup { cleanup, always, .. } = &ir.kind else { return None };
+    let name = if *always { "unwind-protect" } else { "evap-protect" };
+    let warning =
+        || check.warning("unused-value", ir.span, format!("this `{name}` has no clean-up"), "protects nothing");
+    matches!(cleanup.kind, IrKind::Nil).then(|| warning().help(format!("write `({name} FORM CLEAN-UP...)`")))
+}
+
+/// A test that ends with a value: only an `assert` or a failure tells whether it has succeeded.
+fn value_of_test(check: &Check<'_>, body: &Ir) -> Option<Diagnostic> {
+    let last = match &body.kind {
+        IrKind::Seq(items) => items.last()?,
+        _ => body,
+    };
+    let is_truth = check.native_call(last).is_some_and(|(name, _)| matches!(name, "eq" | "equal" | "not" | "null"))
+        || matches!(last.kind, IrKind::Binary(..));
+    let warning = || check.warning("unused-value", last.span, "the value of a test does not count", "not looked at");
+    is_truth.then(|| warning().help(format!("write `(assert {})`", check.shown(last))))
 }
 
 fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {

@@ -7,7 +7,7 @@ use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
 use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, NOT_OF_THE_FORM};
 use crate::infix::infix_in;
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
@@ -127,6 +127,8 @@ pub(crate) struct Unknown {
     pub(super) span: Span,
     /// What is bound around it.
     pub(super) around: Surrounding,
+    /// Whether another error says that it has no value.
+    pub(super) is_told: bool,
 }
 
 impl<'a> Compiler<'a> {
@@ -227,8 +229,7 @@ impl<'a> Compiler<'a> {
         });
         let branches = "`(seq FORM...)` makes one form of several, and `cond` has several branches";
         let help = help.or_else(|| form.starts_with("`(if ").then(|| branches.to_string()));
-        self.error("malformed", span, format!("this is not of the form {form}"), format!("expected {form}")).help =
-            help;
+        self.error("malformed", span, format!("{NOT_OF_THE_FORM}{form}"), format!("expected {form}")).help = help;
         self.nil(span)
     }
 

@@ -55,10 +55,30 @@ const WORDS: &[(&[&str], &str)] = &[
     (&["%", "modulo"], "`(mod NUMBER DIVISOR)` is the remainder"),
     (&["**", "pow", "^"], "`(expt BASE EXPONENT)` is the power"),
     (&["=="], "`=` compares numbers, `equal` everything"),
-    (&["!="], "`/=` tells whether numbers differ"),
+    (&["!=", "<>"], "`/=` compares numbers; for anything else write `(not (equal A B))`"),
     (&["!"], "`(not VALUE)` is true for nil"),
-    (&["//", "--"], "a comment begins with `;`"),
+    (&["//", "--", "/*"], "a comment begins with `;`"),
     (&["&&"], "`(and FORM...)` is true if all forms are"),
+    (&["||"], "`(or FORM...)` is true if one of the forms is"),
+    (&["then"], "`(if TEST THEN ELSE)` has no words between its parts"),
+    (&["grasp", "grab", "pick", "take", "lift"], "`(pick-up 'THING)` takes a thing into the hand"),
+    (&["release", "put", "drop", "place-down", "ungrasp"], "`(put-down)` lays down what is in the hand"),
+    (
+        &["move", "drive", "forward", "move-forward"],
+        "`(go-to 'PLACE)` drives to a place, `(drive-ahead 1m)` straight on",
+    ),
+    (&["turn", "rotate", "turn-left", "turn-right"], "`(spin 90deg)` turns on the spot"),
+    (
+        &["stop", "stop-robot"],
+        "`(evaporate TASK)` ends a task, and its behaviours stop with it; `(fail \"message\")` ends the run",
+    ),
+    (&["say", "speak", "ask", "log"], "`(print VALUE)` writes a line"),
+    (&["break"], "`(return)` leaves a loop"),
+    (&["continue"], "`(when TEST FORM...)` around the rest of the loop passes over it"),
+    (&["import", "include", "use", "from"], "`(load \"FILE\")` loads the definitions of another file"),
+    (&["assert-equal", "assert-eq", "is", "expect"], "`(assert (equal A B))` fails if the test is not true"),
+    (&["class", "struct", "record"], "`(defstruct NAME SLOT...)` defines a kind of record"),
+    (&["dict", "hashmap", "hash-map"], "`(make-hash-table)` makes a table"),
 ];
 
 /// What a foreign word is called here.

@@ -4,6 +4,7 @@ use super::compiler::{Compiler, Unknown};
 use super::ir::{Ir, IrKind, VarId};
 use super::locals::Surrounding;
 use crate::code::{Atom, Global, GlobalKind, Program};
+use crate::infix::infix_of_name;
 use crate::source::Span;
 use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::NodeId;
@@ -31,15 +32,22 @@ impl Compiler<'_> {
         if let Some(&native) = self.native_numbers.get(&name) {
             return Meaning::Native(native);
         }
-        if self.specials.contains_key(&name) || program.macros.contains_key(&name) {
+        let is_form = self.specials.contains_key(&name) || program.macros.contains_key(&name);
+        if is_form {
             let text = self.symbols.name(name).to_string();
+            let help = match infix_of_name(&self.program.sources, span) {
+                Some(infix) => infix.advice(),
+                None => {
+                    format!("call it in parentheses, `({text} …)`; as an argument wrap it: `(lambda (x) ({text} x))`")
+                }
+            };
             self.error(
                 "form-as-value",
                 span,
                 format!("`{text}` is a form, not a function"),
                 "it has no value of its own",
             )
-            .help = Some(format!("wrap it: `(lambda (x) ({text} x))`"));
+            .help = Some(help);
         }
         // What the library lacks a definition of the text does not give it.
         let name = match (qualifier, self.library) {
@@ -56,7 +64,7 @@ impl Compiler<'_> {
             Some(_) => Surrounding::NOTHING,
             None => self.locals.surrounding(),
         };
-        self.undefined.insert(global, Unknown { span, around });
+        self.undefined.insert(global, Unknown { span, around, is_told: is_form });
         Meaning::Global(global)
     }
 

@@ -13,6 +13,7 @@ mod fluent_position;
 mod foreign;
 pub(crate) mod forms;
 mod goals;
+mod habits;
 mod intrinsics;
 pub(crate) mod ir;
 mod lambda_list;

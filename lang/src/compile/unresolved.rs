@@ -51,7 +51,9 @@ impl Compiler<'_> {
         let of_goals = names.iter().filter_map(|name| goals.get(name)).flat_map(|goal| &goal.elements);
         let of_goals: BTreeSet<Span> = of_goals.copied().collect();
         let unknown = names.into_iter().zip(undefined.into_values());
-        let unknown: Vec<_> = unknown.filter(|(_, unknown)| !of_goals.contains(&unknown.span)).collect();
+        let unknown: Vec<_> =
+            unknown.filter(|(_, unknown)| !of_goals.contains(&unknown.span) && !unknown.is_told).collect();
+        let mut foreign_lists = BTreeSet::new();
         let count = unknown.len();
         for (number, (name, unknown)) in unknown.into_iter().enumerate() {
             if number == MOST_UNKNOWN {
@@ -62,7 +64,16 @@ impl Compiler<'_> {
             }
             match goals.get(&name).filter(|_| !self.would_be_defined(name)) {
                 Some(goal) => self.tell_undefined_goal(goal),
-                None => self.undefined_name(name, unknown, &known, &mut places, &mut work),
+                None => {
+                    let list = self.list_around(unknown.span);
+                    if list.is_some_and(|list| foreign_lists.contains(&list)) {
+                        continue;
+                    }
+                    if foreign::advice(self.symbols.name(name)).is_some() {
+                        foreign_lists.extend(list);
+                    }
+                    self.undefined_name(name, unknown, &known, &mut places, &mut work);
+                }
             }
         }
     }
@@ -84,8 +95,16 @@ impl Compiler<'_> {
         let found = places.find(sources, unknown.span, &text);
         let of_program = || places.find(sources, unknown.span, &format!("{}{text}", Qualifier::Global.prefix()));
         let span = found.or_else(of_program).unwrap_or(unknown.span);
+        let behind = self.program.sources.get(span.source).text.as_bytes().get(span.end as usize);
+        if behind == Some(&b'(') && self.is_argument(span) {
+            // The call from outside is told of.
+            return;
+        }
         if let Some((Qualifier::Library, missing)) = Qualifier::split(&text) {
             self.not_in_library(span, missing);
+        } else if matches!(text.as_str(), "unquote" | "unquote-splicing") {
+            self.error("comma-outside", span, "a comma has a meaning only behind a backquote", "not here").help =
+                Some("arguments are separated by spaces: leave the comma out; a list that is partly filled in begins with a backquote: `` `(go-to ,place) ``".into());
         } else if self.program.macros.contains_key(&name) {
             self.error(
                 "macro-before-definition",
@@ -120,9 +139,9 @@ impl Compiler<'_> {
             let suggestion = self.suggestion(&text, unknown.around, is_argument, known, work);
             let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
             let elsewhere = self.suggestion_elsewhere(&text, work);
-            let keyword = text.strip_suffix(':').filter(|name| !name.is_empty());
-            let keyword = keyword.map(|name| format!("the colon of a keyword stands first: `:{name}`"));
-            let help = foreign.or(unit).or(keyword).or(suggestion).or(elsewhere).or(goal).or(quoted);
+            let spelling = self.spelling_advice(&text);
+            let by_place = self.place_advice(span, &text);
+            let help = foreign.or(unit).or(spelling).or(suggestion).or(elsewhere).or(goal).or(by_place).or(quoted);
             self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help = help;
         }
     }

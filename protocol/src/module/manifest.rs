@@ -154,9 +154,7 @@ impl Manifest {
     pub fn parse(text: &str, file: &str) -> Result<Self, FileFaults> {
         let mut reader = Reader { file, text, kind: "manifest", findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in &errors {
-            reader.note(error.span().unwrap_or(0..0), "", error.message(), "manifests are TOML, see toml.io");
-        }
+        reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
         let manifest = if errors.is_empty() { read_manifest(&mut reader, &top) } else { None };
         reader.findings.or_value(manifest)

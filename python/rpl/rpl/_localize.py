@@ -32,6 +32,9 @@ class RecordedDrive:
         """How many windows there are."""
         return int(self.figures["found"]["of"])
 
+    def __repr__(self) -> str:
+        return f"<RecordedDrive: found in {self.found} of {self.of} windows>"
+
     def _repr_svg_(self) -> str:
         return self.paths_svg
 

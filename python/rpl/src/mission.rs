@@ -220,6 +220,21 @@ impl Mission {
         }
     }
 
+    fn __repr__(&self) -> String {
+        let place = match self.site.office() {
+            Some(office) => format!("in {}", office.world.name),
+            None => "without a robot".to_string(),
+        };
+        let machine = &self.system.machine;
+        let standing = match self.system.outcome() {
+            None => "goes on".to_string(),
+            Some(Outcome::Succeeded(value)) => format!("succeeded with {}", machine.show(&self.system.program, value)),
+            Some(Outcome::Failed(failure)) => format!("failed: {}", machine.show(&self.system.program, failure)),
+            Some(Outcome::Evaporated) => "ended itself".to_string(),
+        };
+        format!("<Mission {place}, seed {}, at {:.1} s: {standing}>", self.seed, machine.now_s())
+    }
+
     /// The failure of a plan that has failed, with its causes, as JSON.
     fn failure_json(&self) -> Option<String> {
         match self.system.outcome()? {

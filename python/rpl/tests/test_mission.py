@@ -96,6 +96,17 @@ def test_a_mission_that_takes_too_long_says_so_and_can_be_gone_on_with():
     assert mission.time_s == 5.0
 
 
+def test_a_mission_says_where_it_stands():
+    mission = rpl.Mission("(wait-time 5) 7")
+    assert repr(mission) == "<Mission without a robot, seed 1, at 0.0 s: goes on>"
+    mission.run()
+    assert repr(mission) == "<Mission without a robot, seed 1, at 5.0 s: succeeded with 7>"
+    failed = rpl.Mission('(fail "no")', world="test-room", seed=3)
+    with pytest.raises(rpl.PlanFailed):
+        failed.run()
+    assert repr(failed).startswith("<Mission in test-room, seed 3, at 0.0 s: failed: ") and "no" in repr(failed)
+
+
 def test_what_does_not_go_together_is_told_with_what_would_be_right():
     with pytest.raises(rpl.SetUpError, match="did you mean `test-room`"):
         rpl.Mission(GO, world="test-rom")

@@ -78,9 +78,7 @@ impl RobotDescription {
     pub fn parse(text: &str, file_name: &str) -> Result<Self, FileFaults> {
         let mut reader = Reader { kind: "robot", file: file_name, text, findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in &errors {
-            reader.note(error.span().unwrap_or(0..0), "", error.message(), "robot files are TOML, see toml.io");
-        }
+        reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
         let robot = if errors.is_empty() { read_robot(&mut reader, &top) } else { None };
         reader.findings.or_value(robot)

@@ -2,9 +2,11 @@
 //! place, what was expected, and what to type.
 
 mod finding;
+mod syntax_fault;
 mod toml_reader;
 
 pub use finding::{FileFaults, Finding, Findings};
+pub use syntax_fault::syntax_fault;
 pub use toml_reader::{Placed, Reader, TomlTable, TomlValue, example_help};
 
 pub(crate) use finding::nearest;

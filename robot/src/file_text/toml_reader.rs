@@ -1,6 +1,7 @@
 //! Reading values out of a TOML table, noting every fault on the way instead of stopping at it.
 
 use super::finding::{Finding, Findings, nearest};
+use super::syntax_fault::syntax_fault;
 use crate::geometry::{Point, Pose};
 use rpl_lang::visible::is_invisible;
 use std::ops::Range;
@@ -12,6 +13,9 @@ const MOST_TABLES: usize = 5_000;
 
 /// A name may not be longer.
 const LONGEST_NAME: usize = 255;
+
+/// A full turn, and as much as it may be rounded up by.
+const MOST_RADIANS: f64 = 6.2832;
 
 /// No coordinate, length or speed is larger: 100 km.
 const LARGEST_NUMBER: f64 = 1e5;
@@ -73,6 +77,24 @@ impl<'i> Reader<'i> {
     /// What a table is called: "[[door]]", or "the world" for the top of its file.
     fn owner(&self, table: &TomlTable, article: &str) -> String {
         if table.header.is_empty() { format!("{article} {}", self.kind) } else { table.header.clone() }
+    }
+
+    /// Reports what makes the text no TOML: of each line the first fault.
+    pub fn syntax_errors(&mut self, errors: &[toml::de::Error]) {
+        let (mut line, mut counted_to, mut told) = (0, 0, None);
+        for error in errors {
+            let span = error.span().unwrap_or(0..0);
+            let start = self.text.floor_char_boundary(span.start).max(counted_to);
+            line += self.text[counted_to..start].matches('\n').count();
+            counted_to = start;
+            if told == Some(line) {
+                continue;
+            }
+            told = Some(line);
+            let (message, help) = syntax_fault(self.text, &span, error.message())
+                .unwrap_or_else(|| (error.message().to_string(), format!("{} files are TOML, see toml.io", self.kind)));
+            self.note(span, "", message, help);
+        }
     }
 
     /// Reports every key that is not one of `known`.
@@ -239,7 +261,14 @@ impl<'i> Reader<'i> {
     /// An angle: "90deg", or a number of radians.
     pub fn angle_value(&mut self, value: &TomlValue, key: &str) -> Option<f64> {
         let Some(text) = value.get_ref().as_str() else {
-            return self.number_value(value, key, "\"90deg\"");
+            let radians = self.number_value(value, key, "\"90deg\"")?;
+            // Nobody turns more than once around to look somewhere: these are degrees.
+            if radians.abs() > MOST_RADIANS {
+                let message = format!("{radians} is more than a full turn in radians");
+                self.note(value.span(), key, message, format!("write degrees as \"{radians}deg\""));
+                return None;
+            }
+            return Some(radians);
         };
         let degrees = text.trim().strip_suffix("deg").and_then(|number| number.trim().parse::<f64>().ok());
         match degrees {

@@ -187,6 +187,9 @@ fn add_object(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
         min: Point::new(finite(call, 1)?, finite(call, 2)?),
         max: Point::new(finite(call, 3)?, finite(call, 4)?),
     };
+    if !(rect.min.x < rect.max.x && rect.min.y < rect.max.y) {
+        return Err(refused("the corners of an object are written `X0 Y0 X1 Y1`, with X0 < X1 and Y0 < Y1"));
+    }
     let seen_by = SeenBy { sonar: true, laser: true };
     let object = Object { name: name.clone(), shape: Shape::Rect(rect), mapped: false, seen_by };
     let oracle = oracle(call)?;
@@ -227,12 +230,25 @@ fn place_item(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let name = call.name(0)?;
     let point = Point::new(finite(call, 1)?, finite(call, 2)?);
     let oracle = oracle(call)?;
+    let bounds = oracle.model.world.bounds();
+    if !bounds.contains(point) {
+        let (min, max) = (bounds.min, bounds.max);
+        return Err(refused(format!(
+            "({}, {}) lies outside the world, which goes from ({}, {}) to ({}, {})",
+            point.x, point.y, min.x, min.y, max.x, max.y
+        )));
+    }
     oracle.state.place_item(&name, point);
     Ok(done(oracle, Report::ItemPlaced { item: name }))
 }
 
 fn set_battery(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let charge = finite(call, 0)?;
+    if !(0.0..=1.0).contains(&charge) {
+        return Err(refused(format!(
+            "the charge of a battery is from 0 to 1, and it is {charge}; write half of it as `50%`"
+        )));
+    }
     let oracle = oracle(call)?;
     oracle.state.set_battery(charge);
     Ok(done(oracle, Report::BatterySet { charge }))

@@ -53,9 +53,7 @@ impl World {
     ) -> Result<World, FileFaults> {
         let mut reader = Reader { kind: "world", file: file_name, text, findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
-        for error in &errors {
-            reader.note(error.span().unwrap_or(0..0), "", error.message(), "world files are TOML, see toml.io");
-        }
+        reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
         let world = if errors.is_empty() { read_world(&mut reader, &top, load_map) } else { None };
         reader.findings.or_value(world)

@@ -11,7 +11,7 @@ use crate::step::exec::budget::EVALUATION_SHARE;
 use crate::step::native::{Native, Surroundings};
 use rpl_lang::code::Program;
 use rpl_lang::compile::{MacroHost, NativeSignature, Unexpanded};
-use rpl_lang::diagnostic::Diagnostic;
+use rpl_lang::diagnostic::{Diagnostic, NOT_OF_THE_FORM};
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, Tree};
 use rpl_random::Stream;
@@ -119,6 +119,13 @@ impl MacroMachine {
 
     fn diagnostic(&self, program: &Program, failure: Value, tree: &Tree, form: NodeId) -> Diagnostic {
         let span = tree.span(form);
+        // A macro of the language says of what form its call is to be, as a special form does.
+        if let Value::Failure(index) = failure
+            && let Some(expected) = self.machine.heap.failures[index].message.strip_prefix(NOT_OF_THE_FORM)
+        {
+            let message = format!("{NOT_OF_THE_FORM}{expected}");
+            return Diagnostic::error("malformed", span, message, format!("expected {expected}"));
+        }
         let text = self.machine.show(program, failure);
         let mut diagnostic =
             Diagnostic::error("macro", span, format!("this macro call cannot be expanded: {text}"), "in this call");

@@ -31,4 +31,6 @@ pub struct Spent {
 impl Spent {
     /// To take up a task and lay it aside takes as long as some thirty calls.
     pub const A_TURN: u32 = 32;
+    /// To raise a failure and to bring it to where it is handled takes as long as some three hundred instructions.
+    pub const A_FAILURE: u32 = 256;
 }

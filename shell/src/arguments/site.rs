@@ -114,13 +114,11 @@ impl SiteArguments {
     pub fn in_project(&mut self, project: &ProjectFile) {
         let or = |mine: &mut Option<String>, its: &Option<String>| *mine = mine.take().or_else(|| its.clone());
         or(&mut self.world, &project.world);
-        if self.world.is_some() {
-            or(&mut self.robot, &project.robot);
-            or(&mut self.scenario, &project.scenario);
-            if self.module.is_empty() {
-                self.module.clone_from(&project.modules);
-                self.tells_modules = true;
-            }
+        or(&mut self.robot, &project.robot);
+        or(&mut self.scenario, &project.scenario);
+        if self.module.is_empty() {
+            self.module.clone_from(&project.modules);
+            self.tells_modules = true;
         }
         self.seed = self.seed.or(project.seed);
     }

@@ -37,7 +37,7 @@ impl Override {
         let source = sources.add("--set", expression);
         let (roots, findings) = read(expression, source, &mut symbols, &mut tree);
         if !findings.is_empty() {
-            bail!("the value of `--set {argument}` cannot be read\n{}", render(&findings, &sources, false));
+            bail!("the value in `{argument}` cannot be read\n{}", render(&findings, &sources, false));
         }
         if roots.len() != 1 {
             bail!("`--set {argument}` needs one expression after the `=`, found {}", roots.len());

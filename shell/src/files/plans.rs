@@ -89,6 +89,11 @@ pub fn loaded_after(first: usize) -> Vec<KeptLoad> {
 /// # Errors
 /// What stands in the way of reading it, and what to type instead.
 pub fn plan(name: &str) -> Result<PlanText> {
+    text_of(name, "plan")
+}
+
+/// The text of a plan or a scenario: `what` is what it is called.
+fn text_of(name: &str, what: &str) -> Result<PlanText> {
     if name == STANDARD_INPUT {
         let text = standard_input()?;
         return Ok(PlanText { name: "<stdin>".to_string(), text, folder: Folder::Disk(".".into()) });
@@ -97,17 +102,23 @@ pub fn plan(name: &str) -> Result<PlanText> {
     match path.metadata() {
         Ok(_) => {
             let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                bail!(
+                    "`{0}` is no {what}; a world is given by `--world {0}`, a robot by `--robot {0}`, a module by `--module {0}`",
+                    visible(name)
+                );
+            }
             let text =
-                read_text(path).map_err(|reason| anyhow!("cannot read the plan `{}`: {reason}", visible(name)))?;
+                read_text(path).map_err(|reason| anyhow!("cannot read the {what} `{}`: {reason}", visible(name)))?;
             Ok(PlanText { name: name.to_string(), text, folder: Folder::Disk(folder.to_path_buf()) })
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => match examples::find(name) {
             Some((name, text)) => {
                 Ok(PlanText { name: name.to_string(), text: text.to_string(), folder: Folder::BuiltIn })
             }
-            None => bail!("there is no plan `{}`\n{}", visible(name), advice(name)),
+            None => bail!("there is no {what} `{}`\n{}", visible(name), advice(name, what)),
         },
-        Err(error) => bail!("cannot read the plan `{}`: {}", visible(name), reason(&error)),
+        Err(error) => bail!("cannot read the {what} `{}`: {}", visible(name), reason(&error)),
     }
 }
 
@@ -121,12 +132,12 @@ pub fn scenario(name: &str) -> Result<PlanText> {
         Some((_, text)) if !Path::new(name).exists() => {
             Ok(PlanText { name: name.to_string(), text: text.to_string(), folder: Folder::BuiltIn })
         }
-        _ => plan(name),
+        _ => text_of(name, "scenario"),
     }
 }
 
 /// What to type instead of a name nothing has.
-fn advice(name: &str) -> String {
+fn advice(name: &str, what: &str) -> String {
     let path = Path::new(name);
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside = folder.read_dir().into_iter().flatten().flatten();
@@ -136,13 +147,18 @@ fn advice(name: &str) -> String {
         .map(|path| path.strip_prefix("./").unwrap_or(&path).to_string_lossy().into_owned())
         .collect();
     known.sort();
+    let own_names =
+        examples::names().filter_map(|known| known.strip_prefix("scenarios/").filter(|_| what == "scenario"));
+    known.extend(own_names.map(str::to_string));
     known.extend(examples::names().map(str::to_string));
     let meant = suggest(name, known.iter().map(String::as_str))
         .map(str::to_string)
         .or_else(|| known.iter().find(|known| **known == format!("{name}.rpl")).cloned());
     match meant {
-        Some(meant) => format!("did you mean `{meant}`? `rpl examples` lists the plans this program brings along"),
-        None => "`rpl examples` lists the plans this program brings along".to_string(),
+        Some(meant) => {
+            format!("did you mean `{meant}`? `rpl examples` lists the plans and scenarios this program brings along")
+        }
+        None => "`rpl examples` lists the plans and scenarios this program brings along".to_string(),
     }
 }
 

@@ -52,6 +52,9 @@ impl ProjectFile {
     pub fn read(file: &Path) -> Result<Self> {
         let known: Self = toml_files::read(file, "project files")?;
         let beside = |named: String| toml_files::beside(file, named);
+        if let Some(missing) = known.scenarios.iter().find(|named| !file.with_file_name(named).is_file()) {
+            bail!("there is no scenario `{missing}`, which `{}` names", file.shown());
+        }
         Ok(Self {
             plan: known.plan.map(|plan| file.with_file_name(plan).to_string_lossy().into_owned()),
             world: known.world.map(beside).transpose()?,

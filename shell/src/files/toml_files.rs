@@ -3,7 +3,8 @@
 use super::inputs;
 use super::shown::Shown;
 use anyhow::{Result, anyhow};
-use rpl_robot::file_text::Finding;
+use rpl_lang::suggest::suggest;
+use rpl_robot::file_text::{Finding, syntax_fault};
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
@@ -15,10 +16,40 @@ pub fn read<T: DeserializeOwned>(file: &Path, kind: &str) -> Result<T> {
     let name = file.shown();
     let text = inputs::read_text(file).map_err(|reason| anyhow!("cannot read `{name}`: {reason}"))?;
     toml::from_str(&text).map_err(|error| {
-        let help = format!("{kind} are TOML, see toml.io");
-        let finding = Finding::new(&name, &text, error.span().unwrap_or(0..0), "", error.message(), help);
+        let span = error.span().unwrap_or(0..0);
+        let (message, help) =
+            syntax_fault(&text, &span, error.message()).unwrap_or_else(|| in_plain_words(error.message(), kind));
+        let finding = Finding::new(&name, &text, span, "", message, help);
         anyhow!("`{name}` has faults\n{finding}")
     })
+}
+
+/// The words of the reader about types and keys, in those of people who write such files.
+fn in_plain_words(message: &str, kind: &str) -> (String, String) {
+    const TYPES: &[(&str, &str)] = &[
+        ("a nonzero u32", "a whole number from 1 on"),
+        ("a nonzero u64", "a whole number from 1 on"),
+        ("u32", "a whole number from 0 on"),
+        ("u64", "a whole number from 0 on"),
+        ("a sequence", "a list, such as `[\"one\", \"two\"]`"),
+        ("a map", "a table, such as `{ name = 4 }`"),
+        ("a string", "a text in quotation marks"),
+    ];
+    let see_toml = || format!("{kind} are TOML, see toml.io");
+    if let Some((found, expected)) = message.split_once(", expected ")
+        && let Some((_, plain)) = TYPES.iter().find(|(word, _)| *word == expected)
+    {
+        return (format!("{found}, where {plain} is expected"), format!("write {plain}"));
+    }
+    if let Some((unknown, known)) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
+        let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
+        let help = match suggest(unknown, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the keys here are {}", names.join(", ")),
+        };
+        return (format!("there is no key `{unknown}`"), help);
+    }
+    (message.to_string(), see_toml())
 }
 
 /// What a file names: the file of that name beside it if there is one, else the name itself.

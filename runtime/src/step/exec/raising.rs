@@ -1,6 +1,7 @@
 //! Failures raised where the current task stands, and where its departures land.
 
 use crate::state::failure::Raise;
+use crate::state::limits::Spent;
 use crate::state::machine::{Machine, SCRATCH_TASK};
 use crate::state::scratch::Cursor;
 use crate::state::task::Leaving;
@@ -14,6 +15,8 @@ use rpl_lang::code::Program;
 impl Machine {
     /// Raises a failure where the current task stands; answers how it left, if it did.
     pub(crate) fn raise(&mut self, around: &mut Surroundings<'_>, place: &mut Cursor, raise: Raise) -> Option<Exit> {
+        // What fails again and again in one instant would otherwise take minutes to spend its steps.
+        place.spend(Spent::A_FAILURE as usize);
         let failure = self.failure_from(raise);
         let failure =
             if self.current == SCRATCH_TASK { failure } else { self.failure_of_reader(self.current, failure) };

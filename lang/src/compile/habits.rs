@@ -1,0 +1,75 @@
+//! Advice on a name that nothing defines, from how it is spelt and from where it stands: what users of other languages
+//! write out of habit.
+
+use super::compiler::Compiler;
+use crate::infix::enclosing_list;
+use crate::source::Span;
+
+/// The word that a list begins with, as far as its beginning is near.
+const HEAD_BYTES: usize = 60;
+
+impl Compiler<'_> {
+    /// Advice that the spelling of a name gives.
+    pub(super) fn spelling_advice(&self, text: &str) -> Option<String> {
+        if text.contains(['“', '”', '„', '‘', '’']) {
+            return Some("quotation marks are straight: `\"text\"`".into());
+        }
+        if let Some(name) = text.strip_suffix(':').filter(|name| !name.is_empty()) {
+            return Some(format!("the colon of a keyword stands first: `:{name}`"));
+        }
+        if let Some((name, value)) = text.split_once('=')
+            && !name.is_empty()
+            && !value.is_empty()
+        {
+            return Some(format!("a keyword and its value are two words: `:{name} {value}`"));
+        }
+        if let Some(of) = text.strip_suffix(".message").filter(|of| !of.is_empty()) {
+            return Some(format!("write `(failure-message {of})`"));
+        }
+        let class = self.symbols.find(text).filter(|class| self.program.failure_classes.contains_key(class));
+        class.map(|_| {
+            format!(
+                "`{text}` is a class of failure: it stands in a clause of `with-failure-handling`, `(({text} (f) …))`"
+            )
+        })
+    }
+
+    /// Advice that the place of a name gives, in the list around it.
+    pub(super) fn place_advice(&self, span: Span, text: &str) -> Option<String> {
+        let sources = &self.program.sources;
+        let list = enclosing_list(sources, span)?;
+        let before = sources.get(span.source).text.get(list as usize + 1..span.start as usize)?;
+        // The name stands directly behind the head.
+        let head = before.strip_suffix(char::is_whitespace).unwrap_or(before).trim();
+        match head {
+            "with-valve" | "request-valve" | "release-valve" | "with-valves" => {
+                Some(format!("define it: `(def-valve {text})`"))
+            }
+            "incf" | "decf" => Some(format!("define it first: `(defvar {text} 0)`")),
+            "setq" | "setf" | "pop" => {
+                Some(format!("define it first: `(defvar {text} nil)`, or bind it: `(let (({text} nil)) …)`"))
+            }
+            "value" | "wait-for" | "whenever" | "pulse" => {
+                let robots = self.robots_own(text).map(|near| format!("did you mean `{near}`?"));
+                robots.or_else(|| Some(format!("define it: `(def-fluent {text} nil)`")))
+            }
+            _ => self.robots_own(text).map(|near| format!("did you mean `{near}`?")),
+        }
+    }
+
+    /// A fluent of the robot that is called by a word of the name: `battery*` for `battery-level`.
+    fn robots_own(&self, text: &str) -> Option<String> {
+        let words = text.trim_end_matches('*').split('-').filter(|word| word.len() > 2);
+        let fluents = words.map(|word| format!("{word}*"));
+        fluents.into_iter().find(|fluent| {
+            let is_global = self.symbols.find(fluent).is_some_and(|name| self.program.names.contains_key(&name));
+            fluent != text && (is_global || self.robot_names.contains(fluent))
+        })
+    }
+
+    /// The list around an unknown name, by where it begins: of a list that was told of as foreign nothing more is said.
+    pub(super) fn list_around(&self, span: Span) -> Option<(u32, u32)> {
+        let list = enclosing_list(&self.program.sources, span)?;
+        (span.start.saturating_sub(list) as usize <= HEAD_BYTES).then_some((span.source.0, list))
+    }
+}
