@@ -92,6 +92,10 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
     keywords(check, name, &function.parameters, arguments, span, found);
 }
 
+fn is_number(check: &Check<'_>, ir: &Ir) -> bool {
+    matches!(found_in(check, ir), Some(Found::Integer | Found::Float))
+}
+
 /// Keywords a function does not know, or that have no value.
 fn keywords(
     check: &Check<'_>,
@@ -103,6 +107,11 @@ fn keywords(
 ) {
     let positional = usize::from(parameters.required) + usize::from(parameters.optional);
     if parameters.keys.is_empty() || parameters.rest || arguments.len() <= positional {
+        return;
+    }
+    if name == "go-to" && is_number(check, &arguments[0]) {
+        let warning = check.warning("wrong-kind", span, "`go-to` takes the name of a place", "not a place");
+        found.push(warning.help("to drive to coordinates write `(go-to-point X Y)`"));
         return;
     }
     let known: Vec<&str> = parameters.keys.iter().map(|&key| check.name(key)).collect();
@@ -165,15 +174,11 @@ fn no_keyword(
     let subject = shown.as_ref().map_or("one argument".to_string(), |shown| format!("`{shown}`"));
     let message = format!("`{name}` takes only keywords with values here, and {subject} {what}");
     let warning = check.warning("unknown-parameter", check.narrowed(call, first), message, "a keyword is missing");
-    let is_number = |ir: &Ir| matches!(found_in(check, ir), Some(Found::Integer | Found::Float));
     let unit = shown.as_deref().filter(|shown| unit_names().any(|unit| unit == *shown));
-    if let (Some(number), Some(unit)) = (before.filter(|number| is_number(number)), unit) {
+    if let (Some(number), Some(unit)) = (before.filter(|number| is_number(check, number)), unit) {
         return Some(
             warning.help(format!("a number and its unit are one word: write `{}{unit}`", check.shown(number))),
         );
-    }
-    if is_number(first) && name == "go-to" {
-        return Some(warning.help("to drive to coordinates write `(go-to-point X Y)`"));
     }
     Some(warning.help(match known {
         [] => "it has no parameters".to_string(),
