@@ -3,14 +3,14 @@
 use rpl_benches::{Question, Report, median_ms};
 use rpl_editor::lsp::messages::{Heard, Notification, Request, RequestId};
 use rpl_editor::lsp::session::Session;
-use rpl_editor::surroundings::{Setting, Surroundings};
+use rpl_editor::surroundings::{Setting, Surroundings, Version};
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
 use rpl_mission::site::Site;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const URI: &str = "file:///plan.rpl";
@@ -26,7 +26,7 @@ impl Files {
         let libraries = [Site::without_robot(), Site::for_checking(Vec::new())];
         let libraries = libraries.map(|site| site.unwrap_or_else(|error| panic!("{error}")).library).to_vec();
         let reference = Reference::of(&libraries[1]);
-        Self(Arc::new(Setting { libraries, reference, world: None }))
+        Self(Arc::new(Setting { libraries, reference, world: None, is_of_plans: true }))
     }
 }
 
@@ -43,7 +43,25 @@ impl Surroundings for Files {
         None
     }
 
-    fn files_changed(&self) {}
+    fn library_file(&self, _: &str, _: &str) -> Option<PathBuf> {
+        None
+    }
+
+    fn is_library_file(&self, _: &Path) -> bool {
+        false
+    }
+
+    fn plans_below(&self, _: &Path) -> Vec<(PathBuf, Version)> {
+        Vec::new()
+    }
+
+    fn text(&self, _: &Path) -> Option<String> {
+        None
+    }
+
+    fn files_changed(&self, _: &[PathBuf]) -> bool {
+        false
+    }
 }
 
 /// A plan of `lines` lines: plans with variables, handlers, loops and the robot.

@@ -94,6 +94,16 @@ impl Analysis {
         binding.or_else(whole).filter(|span| span.source.0 >= self.examined.program.library_sources)
     }
 
+    /// The definition of a name in a text of the library, whole; a native function has none.
+    pub fn library_definition(&self, name: &str) -> Option<Span> {
+        let (program, symbols) = self.setting.libraries[self.library].names();
+        let symbol = symbols.find(name)?;
+        match program.macros.get(&symbol) {
+            Some(&code) => Some(program.codes[code as usize].span),
+            None => program.globals[*program.names.get(&symbol)? as usize].span,
+        }
+    }
+
     /// What the text itself defines, each with its whole form.
     pub fn defined(&self) -> impl Iterator<Item = (&str, Span, DefinedKind)> {
         let Examined { symbols, resolved, .. } = &self.examined;

@@ -130,9 +130,9 @@ impl Edit {
     }
 }
 
-/// The file that a URI names.
+/// The file that a URI names; other schemes have paths as well, which are none of files.
 pub fn file_of(uri: &Uri) -> Option<PathBuf> {
-    url::Url::parse(uri.as_str()).ok()?.to_file_path().ok()
+    url::Url::parse(uri.as_str()).ok().filter(|url| url.scheme() == "file")?.to_file_path().ok()
 }
 
 /// The URI of a file, by its absolute path.

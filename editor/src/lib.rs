@@ -8,11 +8,12 @@
 //! (loaded files, the project's world and robot), and tells it through [`surroundings`]. The debug adapter is another
 //! front of the prompt's session, in the crate `prompt`.
 //!
-//! Read in this order: [`lines`], [`surroundings`], [`outline`], [`analysis`], [`document`], then [`frames`], [`lsp`]
-//! from its root, and [`dap`].
+//! Read in this order: [`lines`], [`surroundings`], [`outline`], [`definitions`], [`analysis`], [`document`], then
+//! [`frames`], [`lsp`] from its root, and [`dap`].
 
 pub mod analysis;
 pub mod dap;
+pub mod definitions;
 pub mod document;
 pub mod frames;
 pub mod lines;

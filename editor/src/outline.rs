@@ -135,6 +135,32 @@ impl Outline {
         })
     }
 
+    /// The lists that stand by themselves, by the tokens that open them.
+    pub fn forms(&self) -> impl Iterator<Item = usize> {
+        let mut at = 0;
+        std::iter::from_fn(move || {
+            loop {
+                let opener = (at..self.lexemes.len()).find(|&at| self.lexemes[at].token == Token::Open)?;
+                at = self.closers[opener] as usize + 1;
+                // What is quoted or commented out is no form.
+                let before = opener.checked_sub(1).map(|before| self.lexemes[before].token);
+                if !matches!(before, Some(Token::Prefix(_) | Token::DatumComment)) {
+                    return Some(opener);
+                }
+            }
+        })
+    }
+
+    /// What stands behind the head of a list, if that is a symbol or a list: in a definition the name, or the goal.
+    pub fn named(&self, opener: usize) -> Option<Range<usize>> {
+        let at = self.items(opener).nth(1)?;
+        match self.lexemes[at].token {
+            Token::Symbol => Some(self.lexemes[at].start..self.lexemes[at].end),
+            Token::Open => Some(self.list(at)),
+            _ => None,
+        }
+    }
+
     /// The text of the symbol a list begins with.
     pub fn head<'t>(&self, text: &'t str, opener: usize) -> Option<&'t str> {
         let head = &self.lexemes[self.items(opener).next()?];
@@ -170,6 +196,14 @@ mod tests {
         assert_eq!(head_at("(a (b c) |").as_deref(), Some("a"), "while it is typed");
         assert_eq!(head_at("(a (b \n(def-plan x () |)").as_deref(), Some("def-plan"), "a definition ends what is open");
         assert_eq!(head_at("(a ; (b\n |").as_deref(), Some("a"));
+    }
+
+    #[test]
+    fn forms_stand_by_themselves_and_have_names() {
+        let text = "x (def-plan a () (b)) 'y\n(deftest 7 (e)) ; (f)\n(g (h i)) (";
+        let outline = Outline::of(text);
+        let names: Vec<_> = outline.forms().map(|form| outline.named(form).map(|bytes| &text[bytes])).collect();
+        assert_eq!(names, [Some("a"), None, Some("(h i)"), None]);
     }
 
     #[test]

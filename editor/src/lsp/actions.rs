@@ -3,6 +3,7 @@
 //! A hint is offered only if it helps: with it the finding is gone, and nothing new is found.
 
 use super::diagnostics::touching;
+use super::library;
 use super::session::{Answer, Session};
 use crate::analysis::Analysis;
 use crate::document::Document;
@@ -29,6 +30,9 @@ pub(super) fn actions(session: &mut Session<'_>, params: CodeActionParams) -> An
     let uri = &params.text_document.uri;
     let analysis = session.analysis(uri)?;
     let document = session.document(uri)?;
+    if library::is_of_library(session, document) {
+        return Ok(None);
+    }
     let bytes = document.lines.bytes_of(&document.text, params.range);
     let mut found = Vec::new();
     for (finding, shown) in touching(&analysis, bytes).take(MOST_FINDINGS) {

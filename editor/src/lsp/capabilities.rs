@@ -1,14 +1,18 @@
 //! What the server can do, as it tells the editor.
 
+use super::editor::{Editor, RUN, TEST};
+use super::library::SCHEME;
 use super::tokens;
 use lsp_types::{
-    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions, FoldingRangeProviderCapability,
-    HoverProviderCapability, InitializeResult, OneOf, PositionEncodingKind, RenameOptions, SaveOptions,
-    SemanticTokensFullOptions, SemanticTokensOptions, ServerCapabilities, ServerInfo, SignatureHelpOptions,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions,
+    CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CodeLensOptions, CompletionOptions,
+    FoldingRangeProviderCapability, HoverProviderCapability, InitializeResult, OneOf, PositionEncodingKind,
+    RenameOptions, SaveOptions, SemanticTokensFullOptions, SemanticTokensOptions, ServerCapabilities, ServerInfo,
+    SignatureHelpOptions, TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
+    TextDocumentSyncSaveOptions, WorkspaceFoldersServerCapabilities, WorkspaceServerCapabilities,
 };
+use serde_json::{Value, json};
 
-pub(super) fn capabilities() -> InitializeResult {
+pub(super) fn capabilities(editor: &Editor) -> Value {
     let sync = TextDocumentSyncOptions {
         open_close: Some(true),
         change: Some(TextDocumentSyncKind::INCREMENTAL),
@@ -39,6 +43,20 @@ pub(super) fn capabilities() -> InitializeResult {
         })),
         document_formatting_provider: Some(OneOf::Left(true)),
         document_range_formatting_provider: Some(OneOf::Left(true)),
+        workspace_symbol_provider: Some(OneOf::Left(true)),
+        inlay_hint_provider: Some(OneOf::Left(true)),
+        // An editor that has no command of a lens need not ask for any.
+        code_lens_provider: [RUN, TEST]
+            .iter()
+            .any(|command| editor.has(command))
+            .then_some(CodeLensOptions { resolve_provider: Some(false) }),
+        workspace: Some(WorkspaceServerCapabilities {
+            workspace_folders: Some(WorkspaceFoldersServerCapabilities {
+                supported: Some(true),
+                change_notifications: Some(OneOf::Left(true)),
+            }),
+            file_operations: None,
+        }),
         rename_provider: Some(OneOf::Right(RenameOptions {
             prepare_provider: Some(true),
             work_done_progress_options: Default::default(),
@@ -56,5 +74,10 @@ pub(super) fn capabilities() -> InitializeResult {
         ..ServerCapabilities::default()
     };
     let server_info = ServerInfo { name: "rpl".into(), version: Some(env!("CARGO_PKG_VERSION").into()) };
-    InitializeResult { capabilities, server_info: Some(server_info) }
+    let mut said = json!(InitializeResult { capabilities, server_info: Some(server_info) });
+    // The types are those of version 3.17 of the protocol.
+    if editor.asks_for_texts {
+        said["capabilities"]["workspace"]["textDocumentContent"] = json!({ "schemes": [SCHEME] });
+    }
+    said
 }

@@ -1,5 +1,6 @@
 //! The findings of `rpl check`, as editors show them.
 
+use super::library;
 use super::session::Session;
 use crate::analysis::Analysis;
 use crate::document::{Document, uri_of};
@@ -18,13 +19,16 @@ const SOURCE: &str = "rpl";
 /// What is found in a text is shown there, and what is found in a text it loads in that one, unless that is open and
 /// has findings of its own.
 pub(super) fn published(session: &mut Session<'_>, uri: &str, analysis: &Analysis) -> Vec<PublishDiagnosticsParams> {
+    let Ok(own) = uri.parse::<Uri>() else { return Vec::new() };
+    let Ok(document) = session.document(&own) else { return Vec::new() };
+    if library::is_of_library(session, document) {
+        return Vec::new();
+    }
     let places = Places::of(analysis);
     let mut found: BTreeMap<SourceId, Vec<Shown>> = BTreeMap::new();
     for finding in &analysis.examined.diagnostics {
         found.entry(finding.span.source).or_default().push(shown(finding, &places));
     }
-    let Ok(own) = uri.parse::<Uri>() else { return Vec::new() };
-    let Ok(document) = session.document(&own) else { return Vec::new() };
     let own_findings = found.remove(&analysis.examined.source).unwrap_or_default();
     let mut said = vec![PublishDiagnosticsParams::new(own, own_findings, Some(document.version))];
     let mut others = BTreeSet::new();

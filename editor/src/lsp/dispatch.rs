@@ -1,32 +1,43 @@
 //! What an editor says, handed to what answers it.
 
+use super::editor::Editor;
+use super::library::TextDocumentContent;
 use super::messages::{ErrorCode, Heard, Notification, Refusal, Request, Response, Said};
 use super::session::{Answer, Phase, Session};
 use super::{
-    actions, capabilities, completion, diagnostics, folding, formatting, hover, navigation, rename, signatures,
-    symbols, tokens,
+    actions, capabilities, completion, diagnostics, folding, formatting, hints, hover, lenses, library, navigation,
+    rename, signatures, symbols, tokens, workspace_symbols,
 };
 use crate::document::Document;
 use crate::document::file_of;
 use lsp_types::notification::{
-    DidChangeTextDocument, DidChangeWatchedFiles, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
-    LogMessage, Notification as KnownNotification, PublishDiagnostics, ShowMessage,
+    DidChangeTextDocument, DidChangeWatchedFiles, DidChangeWorkspaceFolders, DidCloseTextDocument, DidOpenTextDocument,
+    DidSaveTextDocument, Exit, Initialized, LogMessage, Notification as KnownNotification, PublishDiagnostics,
+    ShowMessage,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
-    GotoDefinition, HoverRequest, Initialize, PrepareRenameRequest, RangeFormatting, References, Rename,
-    Request as KnownRequest, ResolveCompletionItem, SemanticTokensFullRequest, SemanticTokensRangeRequest, Shutdown,
-    SignatureHelpRequest,
+    CodeActionRequest, CodeLensRequest, Completion, DocumentHighlightRequest, DocumentSymbolRequest,
+    FoldingRangeRequest, Formatting, GotoDefinition, HoverRequest, Initialize, InlayHintRequest, PrepareRenameRequest,
+    RangeFormatting, References, RegisterCapability, Rename, Request as KnownRequest, ResolveCompletionItem,
+    SemanticTokensFullRequest, SemanticTokensRangeRequest, Shutdown, SignatureHelpRequest, WorkspaceSymbolRequest,
 };
-use lsp_types::{FileEvent, LogMessageParams, MessageType, PublishDiagnosticsParams, ShowMessageParams, Uri};
+use lsp_types::{
+    LogMessageParams, MessageType, PublishDiagnosticsParams, Registration, RegistrationParams, ShowMessageParams, Uri,
+    WorkspaceFolder,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::path::PathBuf;
 
 impl Session<'_> {
-    /// Looks at one of the texts that have changed, a long one only if no short one waits, and says what was found.
+    /// Looks at one of the texts that have changed, a long one only if no short one waits, and says what was found; or, if
+    /// there is none, at some of the files that are to be read.
     pub fn look(&mut self) {
-        let Some(uri) = self.open.take_waiting() else { return };
+        let Some(uri) = self.open.take_waiting() else {
+            self.reads += self.files.read_some(self.surroundings);
+            return;
+        };
         if let Ok(analysis) = self.analysed(&uri) {
             let said = diagnostics::published(self, &uri, &analysis);
             said.into_iter().for_each(|params| self.notify::<PublishDiagnostics>(params));
@@ -58,7 +69,7 @@ impl Session<'_> {
                 self.said.push(Said::Response(response));
                 true
             }
-            // The server asks nothing.
+            // What the server asks for is done or not.
             Heard::Response => true,
             Heard::End => false,
         }
@@ -68,7 +79,8 @@ impl Session<'_> {
         match (self.phase, method) {
             (Phase::Before, Initialize::METHOD) => {
                 self.phase = Phase::Running;
-                answered(capabilities::capabilities())
+                self.editor = Editor::of(&params);
+                Ok(capabilities::capabilities(&self.editor))
             }
             (Phase::Before, _) => Err(Refusal::new(ErrorCode::ServerNotInitialized, "`initialize` comes first")),
             (Phase::ShutDown | Phase::Exited, _) => {
@@ -107,6 +119,12 @@ impl Session<'_> {
                 self.on::<SemanticTokensRangeRequest>(params, tokens::range)
             }
             (Phase::Running, CodeActionRequest::METHOD) => self.on::<CodeActionRequest>(params, actions::actions),
+            (Phase::Running, WorkspaceSymbolRequest::METHOD) => {
+                self.on::<WorkspaceSymbolRequest>(params, workspace_symbols::symbols)
+            }
+            (Phase::Running, CodeLensRequest::METHOD) => self.on::<CodeLensRequest>(params, lenses::lenses),
+            (Phase::Running, InlayHintRequest::METHOD) => self.on::<InlayHintRequest>(params, hints::hints),
+            (Phase::Running, TextDocumentContent::METHOD) => self.on::<TextDocumentContent>(params, library::content),
             (Phase::Running, _) => {
                 Err(Refusal::new(ErrorCode::MethodNotFound, format!("there is no request `{method}`")))
             }
@@ -129,6 +147,14 @@ impl Session<'_> {
 
     fn take(&mut self, notification: Notification) {
         match notification.method.as_str() {
+            Initialized::METHOD if self.editor.watches_files => self.ask::<RegisterCapability>("watch", watched()),
+            DidChangeWorkspaceFolders::METHOD => {
+                if let Some(params) = self.params::<DidChangeWorkspaceFolders>(notification) {
+                    let uris = |folders: Vec<WorkspaceFolder>| folders.into_iter().map(|folder| folder.uri).collect();
+                    let (added, removed): (Vec<Uri>, Vec<Uri>) = (uris(params.event.added), uris(params.event.removed));
+                    self.editor.change_folders(&added, &removed);
+                }
+            }
             DidOpenTextDocument::METHOD => {
                 if let Some(params) = self.params::<DidOpenTextDocument>(notification) {
                     let opened = params.text_document;
@@ -150,14 +176,15 @@ impl Session<'_> {
             }
             DidSaveTextDocument::METHOD => {
                 if let Some(params) = self.params::<DidSaveTextDocument>(notification)
-                    && let Some(name) = self.open.get(params.text_document.uri.as_str()).map(Document::name)
+                    && self.open.get(params.text_document.uri.as_str()).is_some()
                 {
-                    self.open.look_again_at_loading(&name);
+                    self.files_changed(&[params.text_document.uri]);
                 }
             }
             DidChangeWatchedFiles::METHOD => {
                 if let Some(params) = self.params::<DidChangeWatchedFiles>(notification) {
-                    self.files_changed(&params.changes);
+                    let changed: Vec<Uri> = params.changes.into_iter().map(|change| change.uri).collect();
+                    self.files_changed(&changed);
                 }
             }
             // What else is told may be passed over; what is asked is answered in any case, whether it is still wanted
@@ -194,16 +221,13 @@ impl Session<'_> {
     }
 
     /// Texts may load one that has changed, or be for another world now.
-    fn files_changed(&mut self, changes: &[FileEvent]) {
-        let name = |change: &FileEvent| Some(file_of(&change.uri)?.to_string_lossy().into_owned());
-        let plans: Option<Vec<String>> =
-            changes.iter().map(|change| name(change).filter(|name| name.ends_with(".rpl"))).collect();
-        match plans {
-            Some(plans) => plans.iter().for_each(|name| self.open.look_again_at_loading(name)),
-            None => {
-                self.surroundings.files_changed();
-                self.open.look_again_at_all();
-            }
+    fn files_changed(&mut self, uris: &[Uri]) {
+        let files: Vec<PathBuf> = uris.iter().filter_map(file_of).collect();
+        for plan in files.iter().filter(|file| file.extension().is_some_and(|extension| extension == "rpl")) {
+            self.open.look_again_at_loading(&plan.to_string_lossy());
+        }
+        if self.surroundings.files_changed(&files) {
+            self.open.look_again_at_all();
         }
     }
 
@@ -218,6 +242,14 @@ impl Session<'_> {
             self.notify::<PublishDiagnostics>(PublishDiagnosticsParams::new(gone, Vec::new(), None));
         }
     }
+}
+
+/// The files whose changes the server wants to be told of.
+fn watched() -> RegistrationParams {
+    let options = serde_json::json!({ "watchers": [{ "globPattern": "**/*.{rpl,toml}" }] });
+    let method = DidChangeWatchedFiles::METHOD.to_string();
+    let registration = Registration { id: "files".into(), method, register_options: Some(options) };
+    RegistrationParams { registrations: vec![registration] }
 }
 
 fn answered(result: impl Serialize) -> Answer<Value> {

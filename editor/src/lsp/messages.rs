@@ -96,6 +96,8 @@ pub struct Response {
 /// What is said to an editor.
 #[derive(Clone, Debug)]
 pub enum Said {
+    /// A request.
+    Request(Request),
     /// An answer.
     Response(Response),
     /// What has no answer.
@@ -151,6 +153,11 @@ impl Serialize for Said {
                         fields.serialize_entry("error", &Fault { code: *code as i32, message: reason })?;
                     }
                 }
+            }
+            Self::Request(Request { id, method, params }) => {
+                fields.serialize_entry("id", id)?;
+                fields.serialize_entry("method", method)?;
+                fields.serialize_entry("params", params)?;
             }
             Self::Notification(Notification { method, params }) => {
                 fields.serialize_entry("method", method)?;

@@ -1,11 +1,13 @@
 //! From a name to where it is defined, and to where it is used.
 
 use super::diagnostics::Places;
+use super::library;
 use super::session::{Answer, Session};
 use lsp_types::{
     DocumentHighlight, DocumentHighlightKind, DocumentHighlightParams, GotoDefinitionParams, GotoDefinitionResponse,
     Location, ReferenceParams,
 };
+use rpl_lang::occurrences::Target;
 
 pub(super) fn definition(
     session: &mut Session<'_>,
@@ -14,9 +16,14 @@ pub(super) fn definition(
     let at = params.text_document_position_params;
     let analysis = session.analysis(&at.text_document.uri)?;
     let document = session.document(&at.text_document.uri)?;
-    let Some(occurrence) = analysis.at(document.byte(at.position)) else { return Ok(None) };
-    let Some(span) = analysis.definition(occurrence.target) else { return Ok(None) };
-    Ok(Places::of(&analysis).location_in(span, document).map(GotoDefinitionResponse::Scalar))
+    let byte = document.byte(at.position);
+    let target = analysis.at(byte).map(|occurrence| occurrence.target);
+    let place = match (target.and_then(|target| analysis.definition(target)), target) {
+        (Some(span), _) => Places::of(&analysis).location_in(span, document),
+        (None, Some(Target::Local(_))) => None,
+        (None, _) => library::definition(session, document, &analysis, byte),
+    };
+    Ok(place.map(GotoDefinitionResponse::Scalar))
 }
 
 pub(super) fn references(session: &mut Session<'_>, params: ReferenceParams) -> Answer<Option<Vec<Location>>> {

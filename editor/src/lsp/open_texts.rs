@@ -30,6 +30,11 @@ impl OpenTexts {
         self.documents.get(uri)
     }
 
+    /// All of them, by their URIs.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Document> {
+        self.documents.values()
+    }
+
     /// One by the name that findings have for it.
     pub(super) fn named(&self, name: &str) -> Option<&Document> {
         self.documents.get(self.uris.get(name)?)

@@ -3,6 +3,7 @@
 //! The renamed texts are looked at before they are handed out: every name in them must mean what it meant.
 
 use super::diagnostics::Places;
+use super::library;
 use super::messages::Refusal;
 use super::session::{Answer, Session};
 use crate::analysis::Analysis;
@@ -21,7 +22,7 @@ pub(super) fn prepare(
 ) -> Answer<Option<PrepareRenameResponse>> {
     let analysis = session.analysis(&params.text_document.uri)?;
     let document = session.document(&params.text_document.uri)?;
-    not_of_library(document, document.byte(params.position))?;
+    not_of_library(session, document, document.byte(params.position))?;
     let Some(occurrence) = analysis.at(document.byte(params.position)) else { return Ok(None) };
     renamable(&analysis, document, occurrence)?;
     Ok(Some(PrepareRenameResponse::Range(document.range_of(occurrence.span))))
@@ -31,7 +32,7 @@ pub(super) fn rename(session: &mut Session<'_>, params: RenameParams) -> Answer<
     let at = params.text_document_position;
     let analysis = session.analysis(&at.text_document.uri)?;
     let document = session.document(&at.text_document.uri)?;
-    not_of_library(document, document.byte(at.position))?;
+    not_of_library(session, document, document.byte(at.position))?;
     let Some(&occurrence) = analysis.at(document.byte(at.position)) else {
         return Err(Refusal::failed("here stands no name that this text or one it loads defines"));
     };
@@ -49,8 +50,11 @@ pub(super) fn rename(session: &mut Session<'_>, params: RenameParams) -> Answer<
     Ok(Some(WorkspaceEdit::new(changes)))
 }
 
-/// Refuses a name that says that it is the library's.
-fn not_of_library(document: &Document, byte: usize) -> Answer<()> {
+/// Refuses a name that stands in the library, or says that it is the library's.
+fn not_of_library(session: &Session<'_>, document: &Document, byte: usize) -> Answer<()> {
+    if library::is_of_library(session, document) {
+        return Err(Refusal::failed("this is a text of the library, and stays what it is"));
+    }
     let outline = document.outline();
     let lexeme = outline.at(byte).map(|at| outline.lexemes[at]).filter(|lexeme| lexeme.token == Token::Symbol);
     let Some(lexeme) = lexeme else { return Ok(()) };

@@ -1,14 +1,18 @@
 //! The server as a value: where the conversation is, and what is known of the open texts.
 
-use super::messages::{ErrorCode, Notification, Refusal, Said};
+use super::editor::Editor;
+use super::messages::{ErrorCode, Notification, Refusal, Request, RequestId, Said};
 use super::open_texts::OpenTexts;
+use super::workspace_symbols::Files;
 use crate::analysis::Analysis;
 use crate::document::Document;
 use crate::surroundings::Surroundings;
 use lsp_types::notification::{Notification as KnownNotification, ShowMessage};
+use lsp_types::request::Request as KnownRequest;
 use lsp_types::{MessageType, ShowMessageParams, Uri};
 use rpl_lang::compile::Loader;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// How a server has ended.
@@ -48,19 +52,32 @@ pub(super) type Answer<T> = Result<T, Refusal>;
 pub struct Session<'s> {
     pub(super) surroundings: &'s dyn Surroundings,
     pub(super) phase: Phase,
+    pub(super) editor: Editor,
     pub(super) open: OpenTexts,
+    pub(super) files: Files,
     /// For each open text the others that its findings were told of.
     pub(super) told: BTreeMap<String, BTreeSet<Uri>>,
     pub(super) said: Vec<Said>,
     /// How often a text was looked at as a whole.
     pub looks: u64,
+    /// How often a file was read for what it defines.
+    pub reads: u64,
 }
 
 impl<'s> Session<'s> {
     /// A conversation that has not begun.
     pub fn new(surroundings: &'s dyn Surroundings) -> Self {
-        let (open, told) = (OpenTexts::default(), BTreeMap::new());
-        Self { surroundings, phase: Phase::Before, open, told, said: Vec::new(), looks: 0 }
+        Self {
+            surroundings,
+            phase: Phase::Before,
+            editor: Editor::default(),
+            open: OpenTexts::default(),
+            files: Files::default(),
+            told: BTreeMap::new(),
+            said: Vec::new(),
+            looks: 0,
+            reads: 0,
+        }
     }
 
     /// What there is to say to the editor since this was last asked.
@@ -77,15 +94,32 @@ impl<'s> Session<'s> {
         }
     }
 
-    /// Whether a changed text waits for its findings to be told, and if so, whether that is a long one.
+    /// Whether there is something to look at when nobody asks for anything: a changed text whose findings are to be told,
+    /// or files; and if so, whether that is a long text.
     pub fn waits(&self) -> Option<bool> {
-        self.open.waits()
+        self.open.waits().or_else(|| self.files.waits().then_some(false))
     }
 
     /// Says something that asks for no answer.
     pub(super) fn notify<N: KnownNotification>(&mut self, params: N::Params) {
         let params = serde_json::to_value(params).unwrap_or_else(|error| unreachable!("a message is JSON: {error}"));
         self.said.push(Said::Notification(Notification { method: N::METHOD.to_string(), params }));
+    }
+
+    /// Asks for something; the answer changes nothing.
+    pub(super) fn ask<R: KnownRequest>(&mut self, id: &str, params: R::Params) {
+        let params = serde_json::to_value(params).unwrap_or_else(|error| unreachable!("a message is JSON: {error}"));
+        let id = RequestId::Text(id.to_string());
+        self.said.push(Said::Request(Request { id, method: R::METHOD.to_string(), params }));
+    }
+
+    /// The folders that somebody works in: those that the editor has open, or else those of the open texts.
+    pub(super) fn folders(&self) -> Vec<PathBuf> {
+        if !self.editor.folders.is_empty() {
+            return self.editor.folders.clone();
+        }
+        let beside = self.open.all().filter_map(|document| document.path.parent()).map(Path::to_path_buf);
+        beside.filter(|folder| folder.is_absolute()).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// An open text.

@@ -45,7 +45,7 @@ pub(super) fn help(session: &mut Session<'_>, params: SignatureHelpParams) -> An
 }
 
 /// What has been given to the form of a list before a place. A mark such as a quote is part of what stands behind it.
-fn given(outline: &Outline, opener: usize, byte: usize) -> Vec<usize> {
+pub(super) fn given(outline: &Outline, opener: usize, byte: usize) -> Vec<usize> {
     let is_mark = |&at: &usize| matches!(outline.lexemes[at].token, Token::Prefix(_));
     outline.items(opener).skip(1).filter(|at| !is_mark(at) && end(outline, *at) < byte).collect()
 }
@@ -58,7 +58,7 @@ fn end(outline: &Outline, at: usize) -> usize {
 }
 
 /// The parts of a signature behind its head, the marks of parameter lists left out.
-fn parts(signature: &str) -> Vec<Range<usize>> {
+pub(super) fn parts(signature: &str) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let (mut depth, mut start) = (0usize, None);
     for (at, c) in signature.char_indices() {

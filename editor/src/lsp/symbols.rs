@@ -4,7 +4,6 @@ use super::session::{Answer, Session};
 use lsp_types::{DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, SymbolKind};
 use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::DefinedKind;
-use rpl_lang::lexer::Token;
 use rpl_lang::source::Span;
 
 pub(super) fn symbols(
@@ -29,10 +28,11 @@ pub(super) fn symbols(
         last = Some(span);
         let bytes = span.start as usize..span.end as usize;
         let opener = outline.opener(bytes.start + 1);
-        let written = opener.and_then(|opener| outline.items(opener).nth(1)).map(|at| outline.lexemes[at]);
-        let written = written.filter(|lexeme| lexeme.token == Token::Symbol);
-        let name = written.map_or(name, |lexeme| document.text[lexeme.start..lexeme.end].to_string());
-        let selection = written.map_or(bytes.start..bytes.start, |lexeme| lexeme.start..lexeme.end);
+        let written = opener
+            .and_then(|opener| outline.named(opener))
+            .filter(|name| !document.text[name.clone()].starts_with('('));
+        let name = written.clone().map_or(name, |written| document.text[written].to_string());
+        let selection = written.unwrap_or(bytes.start..bytes.start);
         let head = opener.and_then(|opener| outline.head(&document.text, opener)).map(str::to_string);
         #[allow(deprecated, reason = "the type has a field that is not used any more, and no other way to be made")]
         found.push(DocumentSymbol {

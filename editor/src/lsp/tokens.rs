@@ -2,16 +2,17 @@
 
 use super::session::{Answer, Session};
 use crate::analysis::Analysis;
+use crate::definitions::is_definition;
 use crate::document::Document;
 use lsp_types::{
     SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokens, SemanticTokensLegend,
     SemanticTokensParams, SemanticTokensRangeParams, SemanticTokensRangeResult, SemanticTokensResult,
 };
-use rpl_lang::bars::{begins_definition, read_name};
+use rpl_lang::bars::read_name;
 use rpl_lang::code::{CodeKind, GlobalKind};
 use rpl_lang::compile::DefinedKind;
 use rpl_lang::lexer::{Prefix, Token};
-use rpl_lang::symbol::{Qualifier, base_name};
+use rpl_lang::symbol::Qualifier;
 use rpl_mission::reference::NameKind;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -116,10 +117,6 @@ fn tokens(document: &Document, analysis: &Analysis, within: Range<usize>) -> Vec
         }
     }
     encoder.tokens
-}
-
-fn is_definition(head: &str) -> bool {
-    begins_definition(head) || base_name(&read_name(head)) == "global-fluent"
 }
 
 /// What the names of the language and of the texts are.

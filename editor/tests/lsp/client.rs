@@ -2,7 +2,7 @@
 
 use rpl_editor::lsp::messages::{Heard, Notification, Request, RequestId, Response, Said};
 use rpl_editor::lsp::session::Session;
-use rpl_editor::surroundings::{Setting, Surroundings};
+use rpl_editor::surroundings::{Setting, Surroundings, Version};
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
@@ -10,7 +10,7 @@ use rpl_mission::site::Site;
 use rpl_robot::world::World;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 /// The file that a session has open.
@@ -35,7 +35,7 @@ impl Surroundings for Files {
             let robotless = Site::without_robot().expect("the library compiles").library;
             let robot = Site::for_checking(Vec::new()).expect("the library compiles").library;
             let reference = Reference::of(&robot);
-            Arc::new(Setting { libraries: vec![robotless, robot], reference, world: None })
+            Arc::new(Setting { libraries: vec![robotless, robot], reference, world: None, is_of_plans: true })
         });
         Ok(SETTING.clone())
     }
@@ -50,7 +50,26 @@ impl Surroundings for Files {
         Some(KnownPlaces { names, world: world.name })
     }
 
-    fn files_changed(&self) {}
+    fn library_file(&self, name: &str, _: &str) -> Option<PathBuf> {
+        Some(Path::new("/library").join(name))
+    }
+
+    fn is_library_file(&self, path: &Path) -> bool {
+        path.starts_with("/library")
+    }
+
+    fn plans_below(&self, folder: &Path) -> Vec<(PathBuf, Version)> {
+        let plans = self.0.iter().map(|(name, text)| (Path::new("/plans").join(name), (None, text.len() as u64)));
+        plans.filter(|(path, _)| path.starts_with(folder)).collect()
+    }
+
+    fn text(&self, path: &Path) -> Option<String> {
+        self.0.get(path.file_name()?.to_str()?).map(ToString::to_string)
+    }
+
+    fn files_changed(&self, files: &[PathBuf]) -> bool {
+        files.iter().any(|file| file.extension().is_some_and(|extension| extension == "toml"))
+    }
 }
 
 /// A session and its editor.
@@ -61,16 +80,25 @@ pub struct Client<'s> {
     /// The text as the editor has it.
     text: String,
     heard: Vec<Notification>,
+    /// What the server has asked for.
+    pub asked: Vec<Request>,
 }
 
 impl<'s> Client<'s> {
     /// An editor that has begun a session.
     pub fn new(files: &'s Files) -> Self {
+        Self::saying(files, json!({ "capabilities": {} })).0
+    }
+
+    /// An editor that has begun a session with what it says of itself, and what the server says of itself.
+    pub fn saying(files: &'s Files, says: Value) -> (Self, Value) {
         let session = Session::new(files);
-        let mut client = Self { session, requests: 0, version: 0, text: String::new(), heard: Vec::new() };
-        client.request("initialize", json!({ "capabilities": {} })).expect("it is answered");
+        let (text, heard, asked) = (String::new(), Vec::new(), Vec::new());
+        let mut client = Self { session, requests: 0, version: 0, text, heard, asked };
+        let said = client.request("initialize", says).expect("it is answered");
         client.notify("initialized", json!({}));
-        client
+        client.looked();
+        (client, said)
     }
 
     /// An editor with a text open, in which `|` marks the place that [`Client::at_mark`] asks about.
@@ -106,6 +134,7 @@ impl<'s> Client<'s> {
             match message {
                 Said::Response(answer) => response = Some(answer),
                 Said::Notification(notification) => self.heard.push(notification),
+                Said::Request(request) => self.asked.push(request),
             }
         }
         let response = response.expect("every request is answered");
@@ -158,10 +187,13 @@ impl<'s> Client<'s> {
             self.session.look();
         }
         let before = self.heard.len();
-        self.heard.extend(self.session.take_said().into_iter().filter_map(|message| match message {
-            Said::Notification(notification) => Some(notification),
-            Said::Response(_) => None,
-        }));
+        for message in self.session.take_said() {
+            match message {
+                Said::Notification(notification) => self.heard.push(notification),
+                Said::Request(request) => self.asked.push(request),
+                Said::Response(_) => {}
+            }
+        }
         let told = self.heard[before..].iter().filter(|one| one.method == "textDocument/publishDiagnostics");
         told.map(|one| one.params["uri"].as_str().expect("it has a name").to_string()).collect()
     }

@@ -4,5 +4,6 @@ mod client;
 mod conversation;
 mod features;
 mod open_texts;
+mod projects;
 mod streams;
 mod synchrony;

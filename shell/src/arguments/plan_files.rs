@@ -1,7 +1,8 @@
 //! Plans named on the command line: files, and folders with all the plans below them.
 
 use crate::files::shown::Shown;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +44,32 @@ fn below(folder: &Path) -> Vec<Result<String, String>> {
         ))];
     }
     found.into_iter().map(|(_, file)| file).collect()
+}
+
+/// The same plans of a folder, those nearest to it first, when no more than `most_folders` folders have been looked into
+/// and `most_plans` plans were found. What cannot be read is left out.
+pub fn nearest(folder: &Path, most_folders: usize, most_plans: usize) -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), VecDeque::from([folder.to_path_buf()]));
+    for _ in 0..most_folders {
+        let Some(next) = folders.pop_front().filter(|_| found.len() < most_plans) else { break };
+        let mut inner = Vec::new();
+        let mut plans = plans_in(&next, &mut inner).unwrap_or_default();
+        plans.sort();
+        inner.sort();
+        found.extend(plans);
+        folders.extend(inner);
+    }
+    found.truncate(most_plans);
+    found
+}
+
+/// Whether a file is one of the plans of a folder, by its name and those of the folders between them.
+pub fn is_of(folder: &Path, file: &Path) -> bool {
+    let Ok(below) = file.strip_prefix(folder) else { return false };
+    let is_hidden = |name: &OsStr| name.as_encoded_bytes().starts_with(b".");
+    let mut between = below.parent().into_iter().flat_map(Path::iter);
+    let is_left_out = below.iter().any(is_hidden) || between.any(|name| name == BUILT);
+    !is_left_out && below.extension().is_some_and(|extension| extension == "rpl")
 }
 
 /// The plans that lie in a folder itself; the folders in it are added to `folders`.

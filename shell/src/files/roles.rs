@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What a text is for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
     /// It is run, or has what is run.
     Plan,
@@ -23,7 +23,7 @@ pub enum Role {
 }
 
 /// The files that are no plans, by where they really lie.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Roles {
     scenarios: BTreeSet<PathBuf>,
     of_modules: BTreeMap<PathBuf, String>,
@@ -32,10 +32,12 @@ pub struct Roles {
 impl Roles {
     /// What a project says, and what plans say in their tests: `:scenario "night.rpl"`. Cost: that of reading them.
     pub fn of<'p>(project: Option<&ProjectFile>, plans: impl Iterator<Item = &'p PlanText>) -> Self {
+        Self::with(project, plans.flat_map(|plan| scenarios_of(&plan.name, &plan.text)))
+    }
+
+    /// What a project says, and the scenarios that its plans name.
+    pub fn with(project: Option<&ProjectFile>, tested: impl Iterator<Item = String>) -> Self {
         let said = project.into_iter().flat_map(|says| says.scenarios.iter().chain(&says.scenario).cloned());
-        let tested = plans.flat_map(|plan| {
-            tested_with(&plan.text).into_iter().map(|scenario| beside(&plan.name, &scenario)).collect::<Vec<_>>()
-        });
         let of_module = |manifest: &String| {
             let plans = module_files::plans_of(manifest)?;
             Some((Path::new(manifest).with_file_name(plans).canonicalize().ok()?, manifest.clone()))
@@ -55,6 +57,11 @@ impl Roles {
             None => Role::Plan,
         }
     }
+}
+
+/// The scenarios that the tests in a file name. Cost: that of reading its text, if it names any.
+pub fn scenarios_of(file: &str, text: &str) -> Vec<String> {
+    tested_with(text).iter().map(|scenario| beside(file, scenario)).collect()
 }
 
 /// The scenario that a test in a file names: a file beside that one if there is one, else the name itself.

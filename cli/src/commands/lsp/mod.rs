@@ -1,18 +1,24 @@
 //! `rpl lsp`: the language server, over standard input and output.
 
+mod library_files;
+mod project_plans;
+
 use anyhow::Result;
+use library_files::LibraryFiles;
+use project_plans::ProjectPlans;
 use rpl_editor::lsp::{Ending, serve};
-use rpl_editor::surroundings::{Setting, Surroundings};
+use rpl_editor::surroundings::{Setting, Surroundings, Version};
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
 use rpl_mission::site::{Setup, Site};
+use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_shell::arguments::plan_files;
+use rpl_shell::files::inputs::read_text;
 use rpl_shell::files::module_files::{self, GoingBack, ManifestFile, ModuleVoices};
 use rpl_shell::files::plans::OnDisk;
-use rpl_shell::files::plans::{self, PlanText};
 use rpl_shell::files::project_file::ProjectFile;
-use rpl_shell::files::roles::{Role, Roles};
+use rpl_shell::files::roles::Role;
 use rpl_shell::files::{robot_files, world_files};
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console;
@@ -24,6 +30,10 @@ use std::sync::Arc;
 
 /// The world whose places are offered where nothing says which is meant.
 const USUAL_WORLD: &str = "dept";
+
+/// Folders and plans below an open folder that are looked at: somebody may have opened all that is theirs.
+const MOST_FOLDERS: usize = 20_000;
+const MOST_PLANS: usize = 20_000;
 
 /// Run the language server for editors: findings, documentation, names, formatting
 ///
@@ -56,36 +66,31 @@ pub fn run(_: &Arguments) -> Result<Status> {
 struct Files {
     /// What the texts of each project are looked at with, by its file and what they are for.
     settings: RefCell<BTreeMap<SettingKey, Arc<Setting>>>,
-    /// The files of each project that are no plans.
-    roles: RefCell<BTreeMap<PathBuf, Roles>>,
+    /// The plans of each project, by its file.
+    projects: RefCell<BTreeMap<PathBuf, ProjectPlans>>,
+    library: LibraryFiles,
 }
 
-/// The project of a text, and whether it is a scenario.
-type SettingKey = (Option<PathBuf>, bool);
+/// The project of a text, and what the text is for.
+type SettingKey = (Option<PathBuf>, Role);
 
 impl Files {
-    /// Whether a text of a project is a scenario, by what the project and its other texts say.
-    fn is_scenario(&self, project: &Path, path: &Path) -> bool {
-        let mut roles = self.roles.borrow_mut();
-        let roles = roles.entry(project.to_path_buf()).or_insert_with(|| {
-            let folder = project.parent().unwrap_or(project).to_string_lossy().into_owned();
-            let texts: Vec<PlanText> =
-                plan_files::named(&[folder]).iter().flatten().filter_map(|file| plans::plan(file).ok()).collect();
-            Roles::of(ProjectFile::read(project).ok().as_ref(), texts.iter())
-        });
-        roles.role(&path.to_string_lossy()) == Role::Scenario
+    /// What a text of a project is for, by what the project and its other texts say.
+    fn role(&self, project: &Path, path: &Path) -> Role {
+        let mut projects = self.projects.borrow_mut();
+        projects.entry(project.to_path_buf()).or_insert_with(|| ProjectPlans::of(project)).role(path)
     }
 }
 
 impl Surroundings for Files {
     fn setting(&self, path: &Path) -> Result<Arc<Setting>, String> {
         let file = ProjectFile::above(path);
-        let is_scenario = file.as_deref().is_some_and(|file| self.is_scenario(file, path));
-        let of = (file, is_scenario);
+        let role = file.as_deref().map_or(Role::Plan, |file| self.role(file, path));
+        let of = (file, role);
         if let Some(known) = self.settings.borrow().get(&of) {
             return Ok(known.clone());
         }
-        let setting = setting_of(of.0.as_deref(), is_scenario).map_err(|error| format!("{error:#}"))?;
+        let setting = setting_of(of.0.as_deref(), &of.1).map_err(|error| format!("{error:#}"))?;
         let setting = Arc::new(setting);
         self.settings.borrow_mut().insert(of, setting.clone());
         Ok(setting)
@@ -104,27 +109,60 @@ impl Surroundings for Files {
         places_of(named.as_deref().or(world).unwrap_or(USUAL_WORLD), None).ok()
     }
 
-    fn files_changed(&self) {
-        self.settings.borrow_mut().clear();
-        self.roles.borrow_mut().clear();
+    fn library_file(&self, name: &str, text: &str) -> Option<PathBuf> {
+        self.library.file(name, text)
+    }
+
+    fn is_library_file(&self, path: &Path) -> bool {
+        self.library.has(path)
+    }
+
+    fn plans_below(&self, folder: &Path) -> Vec<(PathBuf, Version)> {
+        let version = |path: &Path| path.metadata().ok().map(|known| (known.modified().ok(), known.len()));
+        let plans = plan_files::nearest(folder, MOST_FOLDERS, MOST_PLANS).into_iter();
+        plans.filter_map(|path| Some((version(&path)?, path))).map(|(version, path)| (path, version)).collect()
+    }
+
+    fn text(&self, path: &Path) -> Option<String> {
+        read_text(path).ok()
+    }
+
+    fn files_changed(&self, files: &[PathBuf]) -> bool {
+        let (plans, others): (Vec<&PathBuf>, Vec<&PathBuf>) =
+            files.iter().partition(|file| file.extension().is_some_and(|extension| extension == "rpl"));
+        // A project may be for another world now, a robot be another one, or a module have other plans.
+        if !others.is_empty() {
+            self.settings.borrow_mut().clear();
+        }
+        let mut have_changed = !others.is_empty();
+        for project in self.projects.borrow_mut().values_mut() {
+            have_changed |= project.changed(&plans);
+        }
+        have_changed
     }
 }
 
 /// What the texts of a project are looked at with; without a project file, what `rpl check` looks at texts with.
-fn setting_of(file: Option<&Path>, is_scenario: bool) -> Result<Setting> {
-    if is_scenario {
-        let library = Site::for_checking_scenarios()?.library;
-        return Ok(Setting { reference: Reference::of(&library), libraries: vec![library], world: None });
-    }
+fn setting_of(file: Option<&Path>, role: &Role) -> Result<Setting> {
     let project = file.map(ProjectFile::read).transpose()?.unwrap_or_default();
     let manifests: Vec<ManifestFile> =
         project.modules.iter().map(|name| ManifestFile { name: name.clone(), path: name.into() }).collect();
-    let (_, sources) = module_files::opened(&manifests, ModuleVoices::Processes(GoingBack::Never))?;
+    let sources = || anyhow::Ok(module_files::opened(&manifests, ModuleVoices::Processes(GoingBack::Never))?.1);
+    let sources: Vec<ModuleSource> = match role {
+        Role::Scenario => {
+            let library = Site::for_checking_scenarios()?.library;
+            let reference = Reference::of(&library);
+            return Ok(Setting { reference, libraries: vec![library], world: None, is_of_plans: false });
+        }
+        Role::Plan => sources()?,
+        // The plans of one define what it brings along.
+        Role::OfModule(_) => sources()?.into_iter().map(|source| ModuleSource { plans: None, ..source }).collect(),
+    };
     let robotless = Site::with_processes(Setup::default(), sources.clone())?;
     let robot = Site::for_checking(sources)?;
     let world = project.world.as_deref().map(|world| places_of(world, project.robot.as_deref())).transpose()?;
-    let reference = Reference::of(&robot.library);
-    Ok(Setting { libraries: vec![robotless.library, robot.library], reference, world })
+    let (reference, is_of_plans) = (Reference::of(&robot.library), *role == Role::Plan);
+    Ok(Setting { libraries: vec![robotless.library, robot.library], reference, world, is_of_plans })
 }
 
 fn places_of(world: &str, robot: Option<&str>) -> Result<KnownPlaces> {
