@@ -136,7 +136,10 @@ impl Surroundings for Files {
         }
         let mut have_changed = !others.is_empty();
         for project in self.projects.borrow_mut().values_mut() {
-            have_changed |= project.changed(&plans);
+            have_changed |= project.plans_changed(&plans);
+            if !others.is_empty() {
+                project.project_changed();
+            }
         }
         have_changed
     }

@@ -4,7 +4,7 @@ use rpl_shell::arguments::plan_files;
 use rpl_shell::files::inputs::read_text;
 use rpl_shell::files::project_file::ProjectFile;
 use rpl_shell::files::roles::{Role, Roles, scenarios_of};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The plans of a project.
@@ -33,32 +33,39 @@ impl ProjectPlans {
         self.roles.role(&path.to_string_lossy())
     }
 
-    /// Plans, of this project or not, or the project itself have changed; whether a text is for something else now.
-    /// Cost: that of reading those plans.
-    pub fn changed(&mut self, plans: &[&PathBuf]) -> bool {
+    /// Plans, of this project or not, have changed; whether a text is for something else now. Cost: that of reading those
+    /// plans, and more only if they name other scenarios than before.
+    pub fn plans_changed(&mut self, plans: &[&PathBuf]) -> bool {
+        let mut name_others = false;
         for plan in plans {
-            if plan_files::is_of(self.folder(), plan) {
-                self.read(plan);
-            }
+            name_others |= plan_files::is_of(self.folder(), plan) && self.read(plan);
         }
-        let before = std::mem::take(&mut self.roles);
-        self.roles = self.said();
-        self.roles != before
+        name_others && self.project_changed()
+    }
+
+    /// What the project says may be another thing now; whether a text is for something else.
+    pub fn project_changed(&mut self) -> bool {
+        let said = self.said();
+        std::mem::replace(&mut self.roles, said.clone()) != said
     }
 
     fn folder(&self) -> &Path {
         self.file.parent().unwrap_or(&self.file)
     }
 
-    fn read(&mut self, plan: &Path) {
+    /// Reads a plan; whether its tests name other scenarios than before.
+    fn read(&mut self, plan: &Path) -> bool {
         let text = read_text(plan).unwrap_or_default();
-        match scenarios_of(&plan.to_string_lossy(), &text) {
-            none if none.is_empty() => self.scenarios.remove(plan),
-            scenarios => self.scenarios.insert(plan.to_path_buf(), scenarios),
+        let scenarios = scenarios_of(&plan.to_string_lossy(), &text);
+        let before = match scenarios.is_empty() {
+            true => self.scenarios.remove(plan),
+            false => self.scenarios.insert(plan.to_path_buf(), scenarios.clone()),
         };
+        before.unwrap_or_default() != scenarios
     }
 
     fn said(&self) -> Roles {
-        Roles::with(ProjectFile::read(&self.file).ok().as_ref(), self.scenarios.values().flatten().cloned())
+        let named: BTreeSet<String> = self.scenarios.values().flatten().cloned().collect();
+        Roles::with(ProjectFile::read(&self.file).ok().as_ref(), named.into_iter())
     }
 }
