@@ -140,7 +140,7 @@
 (session-go 12 "count")
 (eglot-rename "number")
 (session-check "a variable is renamed" (equal (session-line 14) "      (incf number))") (session-line 14))
-(session-check "the outline" (assoc "inspect" (cdr (assoc "Method" (imenu--make-index-alist t)))) imenu--index-alist)
+(session-check "the outline" (string-search "\"inspect\"" (format "%S" (imenu--make-index-alist t))) imenu--index-alist)
 (save-buffer)
 
 (princ (format "Emacs %s: %d of %d as expected\n" emacs-version (- session-asked session-failed) session-asked))

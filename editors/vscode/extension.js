@@ -73,15 +73,12 @@ function newStatus() {
   return { status, show };
 }
 
-async function start() {
-  try {
-    await client.start();
-  } catch (error) {
-    const settings = "Settings";
-    const message = `RPL: the server "${command()} lsp" does not start: ${error.message ?? error}`;
-    if ((await vscode.window.showErrorMessage(message, settings)) === settings) {
-      await vscode.commands.executeCommand("workbench.action.openSettings", "rpl.command");
-    }
+/** Says that the server does not start, and where its command is set. */
+async function tell(error) {
+  const settings = "Settings";
+  const message = `RPL: the server "${command()} lsp" does not start: ${error.message ?? error}`;
+  if ((await vscode.window.showErrorMessage(message, settings)) === settings) {
+    await vscode.commands.executeCommand("workbench.action.openSettings", "rpl.command");
   }
 }
 
@@ -90,7 +87,8 @@ async function activate(context) {
   const begin = () => {
     client = newClient();
     client.onDidChangeState(({ newState }) => show(newState));
-    return start();
+    // Nobody waits for a message to be read: the commands are there without a server, too.
+    return client.start().catch((error) => void tell(error));
   };
   const restart = async () => {
     // One that has failed to start has nothing to stop.
@@ -109,6 +107,8 @@ async function activate(context) {
     vscode.debug.registerDebugAdapterDescriptorFactory("rpl", factory),
   );
   await begin();
+  // For other extensions: the client that is in use, which a restart replaces.
+  return { client: () => client };
 }
 
 function deactivate() {

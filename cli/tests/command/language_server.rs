@@ -180,7 +180,8 @@ fn a_plan_that_is_saved_says_anew_which_texts_are_scenarios() {
 fn plans_of_a_module_are_looked_at_as_that() {
     let folder = folder("language-server-module");
     put(&folder, "rpl.toml", "modules = [\"nose.toml\"]\n");
-    let manifest = "name = \"nose\"\ndoc = \"It smells.\"\ncommand = [\"true\"]\nplans = \"nose.rpl\"\n";
+    let manifest = "name = \"nose\"\ndoc = \"It smells.\"\ncommand = [\"true\"]\nplans = \"nose.rpl\"\n\
+                    [[fluent]]\nname = \"gas*\"\ndoc = \"Gas.\"\ntype = \"number\"\n";
     put(&folder, "nose.toml", manifest);
     let text = "(def-plan sniff-room (seconds) (wait-time seconds))\n";
     let plans = format!("file://{}", put(&folder, "nose.rpl", text));
