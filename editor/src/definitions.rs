@@ -1,5 +1,5 @@
-//! What a text defines, by its tokens alone: for the many texts of a project, which nobody compiles, and while one is
-//! typed.
+//! The definitions of a text, by its tokens alone: for the many texts of a project, which nobody compiles, and while one
+//! is typed.
 
 use crate::lines::Lines;
 use crate::outline::Outline;

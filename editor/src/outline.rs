@@ -142,7 +142,7 @@ impl Outline {
             loop {
                 let opener = (at..self.lexemes.len()).find(|&at| self.lexemes[at].token == Token::Open)?;
                 at = self.closers[opener] as usize + 1;
-                // What is quoted or commented out is no form.
+                // A list that is quoted or commented out is no form.
                 let before = opener.checked_sub(1).map(|before| self.lexemes[before].token);
                 if !matches!(before, Some(Token::Prefix(_) | Token::DatumComment)) {
                     return Some(opener);
@@ -151,7 +151,7 @@ impl Outline {
         })
     }
 
-    /// What stands behind the head of a list, if that is a symbol or a list: in a definition the name, or the goal.
+    /// The symbol or list behind the head of a list: in a definition the name, or the goal.
     pub fn named(&self, opener: usize) -> Option<Range<usize>> {
         let at = self.items(opener).nth(1)?;
         match self.lexemes[at].token {

@@ -69,7 +69,7 @@ impl Session<'_> {
                 self.said.push(Said::Response(response));
                 true
             }
-            // What the server asks for is done or not.
+            // Nothing depends on the answer to a request of the server.
             Heard::Response => true,
             Heard::End => false,
         }

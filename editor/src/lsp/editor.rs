@@ -1,4 +1,4 @@
-//! What an editor says of itself at the beginning: the folders that are open in it, and what it can do.
+//! The description that an editor gives of itself at the beginning: the folders that are open in it, and its abilities.
 
 use crate::document::file_of;
 use lsp_types::Uri;
@@ -25,7 +25,7 @@ pub(super) struct Editor {
 }
 
 impl Editor {
-    /// By what `initialize` says. What is not understood is not there.
+    /// By what `initialize` says. A field that is not understood counts as missing.
     pub(super) fn of(params: &Value) -> Self {
         let says = |pointer: &str| params.pointer(pointer);
         let can = |pointer: &str| says(pointer).and_then(Value::as_bool).unwrap_or(false);

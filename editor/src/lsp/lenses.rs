@@ -1,4 +1,4 @@
-//! What can be run, above it: a plan, and each of its tests. Only an editor that has the commands is offered them.
+//! Lenses above a plan and above each of its tests, which run them. Only an editor that has the commands is offered them.
 
 use super::editor::{RUN, TEST};
 use super::library;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 pub(super) fn lenses(session: &mut Session<'_>, params: CodeLensParams) -> Answer<Option<Vec<CodeLens>>> {
     let document = session.document(&params.text_document.uri)?;
-    // What runs is a file.
+    // Files are run, no texts.
     if document.path.as_os_str().is_empty() || library::is_of_library(session, document) {
         return Ok(None);
     }

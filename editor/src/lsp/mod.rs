@@ -1,9 +1,9 @@
 //! The language server: the protocol's requests, each answered in a file of its own.
 //!
 //! [`session`] is the server as a value: it hears messages ([`messages`]) and answers them (`dispatch`), and it can be
-//! asked to look at one of the texts that have changed (`open_texts`). [`serve`] is the loop around it, and alone knows
-//! a clock and a thread. It decides when: a short text is looked at as soon as nothing more waits to be read, a long
-//! one when typing pauses.
+//! asked to look at one of the texts that have changed (`open_texts`), or to read some files (`workspace_symbols`).
+//! [`serve`] is the loop around it, and alone knows a clock and a thread. It decides when: a short text is looked at as
+//! soon as nothing more waits to be read, a long one when typing pauses.
 
 #![allow(
     clippy::mutable_key_type,

@@ -1,4 +1,4 @@
-//! What the plans of the open folders define, by a part of its name.
+//! The definitions in the plans of the open folders, by a part of their names.
 
 use super::session::{Answer, Session};
 use crate::definitions::{Definition, definitions};

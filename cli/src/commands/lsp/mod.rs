@@ -75,7 +75,7 @@ struct Files {
 type SettingKey = (Option<PathBuf>, Role);
 
 impl Files {
-    /// What a text of a project is for, by what the project and its other texts say.
+    /// The purpose of a text of a project, as the project and its other texts say it.
     fn role(&self, project: &Path, path: &Path) -> Role {
         let mut projects = self.projects.borrow_mut();
         projects.entry(project.to_path_buf()).or_insert_with(|| ProjectPlans::of(project)).role(path)

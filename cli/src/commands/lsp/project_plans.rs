@@ -1,4 +1,5 @@
-//! What the texts of a project are for, as long as they are written: a plan that has changed is read again, and no other.
+//! The purpose of each text of a project, as long as they are written: a plan that has changed is read again, and no
+//! other.
 
 use rpl_shell::arguments::plan_files;
 use rpl_shell::files::inputs::read_text;
@@ -28,7 +29,7 @@ impl ProjectPlans {
         known
     }
 
-    /// What one of its texts is for.
+    /// The purpose of one of its texts.
     pub fn role(&self, path: &Path) -> Role {
         self.roles.role(&path.to_string_lossy())
     }
@@ -43,7 +44,7 @@ impl ProjectPlans {
         name_others && self.project_changed()
     }
 
-    /// What the project says may be another thing now; whether a text is for something else.
+    /// The file of the project may say another thing now; whether a text is for something else.
     pub fn project_changed(&mut self) -> bool {
         let said = self.said();
         std::mem::replace(&mut self.roles, said.clone()) != said
