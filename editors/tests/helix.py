@@ -6,6 +6,7 @@ It needs `hx` (or HELIX=...), `tmux` and `rpl`. Helix has no scripts: keys are t
 read. It ends with the number of things that were not as expected.
 """
 
+import atexit
 import json
 import os
 import pathlib
@@ -63,6 +64,8 @@ class Session:
         self.tmux = ["tmux", "-S", str(self.folder / "tmux")]
         variables = {"PATH": f"{between.parent}:{os.environ['PATH']}", "XDG_CONFIG_HOME": config.parent,
                      "XDG_CACHE_HOME": self.folder / "cache"}
+        # Whatever happens, the editor ends with its session.
+        atexit.register(subprocess.run, [*self.tmux, "kill-server"], check=False, capture_output=True)
         given = [f"{name}={value}" for name, value in variables.items()]
         # A shell might have other variables.
         subprocess.run([*self.tmux, "-u", "-f", "/dev/null", "new-session", "-d", "-x", "120", "-y", "50", "-c",
