@@ -1,7 +1,7 @@
 //! The language server: the protocol's requests, each answered in a file of its own.
 //!
 //! [`session`] is the server as a value: it hears messages ([`messages`]) and answers them (`dispatch`), and it can be
-//! asked to look at one of the texts that have changed (`open_texts`), or to read some files (`workspace_symbols`).
+//! asked to look at one of the texts that have changed (`open_texts`), or to read some files (`folder_files`).
 //! [`serve`] is the loop around it, and alone knows a clock and a thread. It decides when: a short text is looked at as
 //! soon as nothing more waits to be read, a long one when typing pauses.
 
@@ -16,6 +16,7 @@ mod completion;
 mod diagnostics;
 mod dispatch;
 mod editor;
+mod folder_files;
 mod folding;
 mod formatting;
 mod hints;

@@ -1,9 +1,9 @@
 //! The server as a value: where the conversation is, and what is known of the open texts.
 
 use super::editor::Editor;
+use super::folder_files::FolderFiles;
 use super::messages::{ErrorCode, Notification, Refusal, Request, RequestId, Said};
 use super::open_texts::OpenTexts;
-use super::workspace_symbols::Files;
 use crate::analysis::Analysis;
 use crate::document::Document;
 use crate::surroundings::Surroundings;
@@ -54,7 +54,7 @@ pub struct Session<'s> {
     pub(super) phase: Phase,
     pub(super) editor: Editor,
     pub(super) open: OpenTexts,
-    pub(super) files: Files,
+    pub(super) files: FolderFiles,
     /// For each open text the others that its findings were told of.
     pub(super) told: BTreeMap<String, BTreeSet<Uri>>,
     pub(super) said: Vec<Said>,
@@ -72,7 +72,7 @@ impl<'s> Session<'s> {
             phase: Phase::Before,
             editor: Editor::default(),
             open: OpenTexts::default(),
-            files: Files::default(),
+            files: FolderFiles::default(),
             told: BTreeMap::new(),
             said: Vec::new(),
             looks: 0,

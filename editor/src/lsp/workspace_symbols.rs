@@ -1,71 +1,16 @@
 //! The definitions in the plans of the open folders, by a part of their names.
 
+use super::library;
 use super::session::{Answer, Session};
 use crate::definitions::{Definition, definitions};
 use crate::document::{Document, uri_of};
-use crate::lines::Lines;
-use crate::outline::Outline;
-use crate::surroundings::{Surroundings, Version};
 use lsp_types::{Location, SymbolInformation, Uri, WorkspaceSymbolParams, WorkspaceSymbolResponse};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Names that are told at once; an editor that is told so shows the best, and asks again when more is typed.
 const MOST_SYMBOLS: usize = 400;
-
-/// Files that are read while somebody waits. The others are read afterwards, when nobody asks for anything.
-const MOST_READ: usize = 1_000;
-
-/// Files that are read before it is looked whether somebody asks for something.
-const MOST_READ_AT_ONCE: usize = 50;
-
-/// The definitions in the files of the folders, as they were when somebody last asked.
-#[derive(Default)]
-pub(super) struct Files {
-    known: BTreeMap<PathBuf, (Version, Vec<Definition>)>,
-    /// Those that are new, or another version than is known, the last one first.
-    unread: Vec<(PathBuf, Version)>,
-}
-
-impl Files {
-    /// Finds out which files are there, and forgets those that are gone.
-    fn update(&mut self, surroundings: &dyn Surroundings, folders: &[PathBuf]) {
-        let mut before = std::mem::take(&mut self.known);
-        self.unread.clear();
-        for (path, version) in folders.iter().flat_map(|folder| surroundings.plans_below(folder)) {
-            match before.remove(&path).filter(|(known, _)| *known == version) {
-                Some(known) => drop(self.known.insert(path, known)),
-                // One folder may lie in another.
-                None if self.known.contains_key(&path) => {}
-                None => self.unread.push((path, version)),
-            }
-        }
-        self.unread.reverse();
-    }
-
-    /// Reads up to `most` files; gives their number.
-    fn read(&mut self, surroundings: &dyn Surroundings, most: usize) -> u64 {
-        let next = self.unread.split_off(self.unread.len().saturating_sub(most));
-        let read = next.len() as u64;
-        for (path, version) in next.into_iter().rev() {
-            let text = surroundings.text(&path).unwrap_or_default();
-            let defined = definitions(&text, &Outline::of(&text), &Lines::of(&text));
-            self.known.insert(path, (version, defined));
-        }
-        read
-    }
-
-    /// Whether files are still to be read.
-    pub(super) fn waits(&self) -> bool {
-        !self.unread.is_empty()
-    }
-
-    /// Reads some of those files; gives their number.
-    pub(super) fn read_some(&mut self, surroundings: &dyn Surroundings) -> u64 {
-        self.read(surroundings, MOST_READ_AT_ONCE)
-    }
-}
 
 pub(super) fn symbols(
     session: &mut Session<'_>,
@@ -73,12 +18,12 @@ pub(super) fn symbols(
 ) -> Answer<Option<WorkspaceSymbolResponse>> {
     let folders = session.folders();
     session.files.update(session.surroundings, &folders);
-    session.reads += session.files.read(session.surroundings, MOST_READ);
+    session.reads += session.files.read_first(session.surroundings);
     let open: BTreeMap<&Path, &Document> =
         session.open.all().filter(|one| one.path.is_absolute()).map(|one| (one.path.as_path(), one)).collect();
-    let closed = session.files.known.iter().filter(|(path, _)| !open.contains_key(path.as_path()));
-    let closed = closed.flat_map(|(path, (_, defined))| defined.iter().map(move |one| (path.as_path(), one.clone())));
-    let opened = open.iter().filter(|(_, document)| !super::library::is_of_library(session, document));
+    let closed = session.files.known().filter(|(path, _)| !open.contains_key(path));
+    let closed = closed.flat_map(|(path, defined)| defined.iter().map(move |one| (path, one.clone())));
+    let opened = open.iter().filter(|(_, document)| !library::is_of_library(session, document));
     let opened = opened.flat_map(|(&path, document)| {
         let defined = definitions(&document.text, &document.outline(), &document.lines);
         defined.into_iter().map(move |one| (path, one))
