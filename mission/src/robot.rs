@@ -8,7 +8,8 @@ use rpl_robot::active::{ActionField, Choice};
 use rpl_robot::geometry::{Pose, Vector, Velocity};
 use rpl_robot::localization::{Localization, Maximum};
 use rpl_robot::office::{Localizing, Module, Navigating, OfficeModel, OfficeRobot, Oracle, SimulatedHost};
-use rpl_robot::simulator::Percept;
+use rpl_robot::simulator::{Percept, SimulatorState};
+use rpl_robot::world::World;
 use rpl_runtime::robot::thinking::{Thought, Ticket};
 use rpl_runtime::robot::{ForeseenRobot, NoRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::SaveOutside;
@@ -77,6 +78,14 @@ impl<M: Module> Robot<M> {
         match scenario.outcome()? {
             Outcome::Failed(failure) => Some((scenario, failure)),
             Outcome::Succeeded(_) | Outcome::Evaporated => None,
+        }
+    }
+
+    /// The simulated world it is in; none if its host is another process. No plan sees it.
+    pub fn simulated_world(&self) -> Option<(&World, &SimulatorState)> {
+        match self {
+            Robot::Absent(_) | Robot::Remote(_) => None,
+            Robot::Office(robot) => Some((&robot.host.model.world, &robot.host.state)),
         }
     }
 
@@ -213,7 +222,17 @@ impl<M: Module> Robot<M> {
 }
 
 fn sight<H, M: Module>(robot: &OfficeRobot<H, M>, robot_in_map: Option<Pose>) -> Sight {
-    Sight { robot_in_map, estimate_in_map: robot.estimated_pose_in_map(), certainty: robot.estimate().certainty }
+    let percept = robot.percept();
+    Sight {
+        robot_in_map,
+        estimate_in_map: robot.estimated_pose_in_map(),
+        certainty: robot.estimate().certainty,
+        velocity: percept.map(|percept| Velocity {
+            translation_mps: percept.translation_mps,
+            rotation_radps: percept.rotation_radps,
+        }),
+        battery: percept.map(|percept| percept.battery),
+    }
 }
 
 fn is_lost<H, M: Module>(robot: &OfficeRobot<H, M>) -> bool {

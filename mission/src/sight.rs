@@ -1,7 +1,7 @@
 //! What can be told of a robot from outside, where it really is included: no plan sees any of it.
 
 use rpl_protocol::remote_host::HostRecord;
-use rpl_robot::geometry::{Point, Pose};
+use rpl_robot::geometry::{Point, Pose, Velocity};
 use serde::Serialize;
 
 /// What can be seen of a robot from outside.
@@ -13,6 +13,10 @@ pub struct Sight {
     pub estimate_in_map: Pose,
     /// How sure it is of that, from 0 to 1.
     pub certainty: f64,
+    /// How fast it moves, by its wheels; none before its first step.
+    pub velocity: Option<Velocity>,
+    /// Charge of its battery, from 0 to 1; none before its first step.
+    pub battery: Option<f64>,
 }
 
 /// What a robot did on the whole.

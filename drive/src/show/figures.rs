@@ -218,7 +218,13 @@ mod tests {
         let track: Vec<Sight> = (0..20)
             .map(|step| {
                 start_in_map.x_m += 0.05 * f64::from(step % 2);
-                Sight { robot_in_map: Some(start_in_map), estimate_in_map: start_in_map, certainty: 1.0 }
+                Sight {
+                    robot_in_map: Some(start_in_map),
+                    estimate_in_map: start_in_map,
+                    certainty: 1.0,
+                    velocity: None,
+                    battery: None,
+                }
             })
             .collect();
         let drawn = mission(&world, 0.265, &track, None);

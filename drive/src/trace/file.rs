@@ -142,18 +142,23 @@ pub struct TracedPose {
 /// The kind of a line that tells of a pose.
 pub(super) const POSE: &str = "pose";
 
-/// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…}` in
-/// metres and radians; `true` is null where nobody knows. To the millimetre and less than a hundredth of a degree.
+/// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…,"velocity":[translation,
+/// rotation],"battery":…}` in metres, radians and seconds; `true` is null where nobody knows, velocity and battery before
+/// the first step. To the millimetre and less than a hundredth of a degree.
 pub(super) fn pose_line(seen: &TracedPose) -> String {
-    let Sight { robot_in_map, estimate_in_map, certainty } = seen.sight;
+    let Sight { robot_in_map, estimate_in_map, certainty, velocity, battery } = seen.sight;
     let rounded = |value: f64, steps: f64| (value * steps).round() / steps;
     let numbers = |pose: Pose| json!([rounded(pose.x_m, 1e3), rounded(pose.y_m, 1e3), rounded(pose.heading_rad, 1e4)]);
+    let velocity =
+        velocity.map(|velocity| json!([rounded(velocity.translation_mps, 1e3), rounded(velocity.rotation_radps, 1e4)]));
     format!(
-        "{{\"time_s\":{},\"kind\":\"{POSE}\",\"true\":{},\"estimated\":{},\"certainty\":{}}}",
+        "{{\"time_s\":{},\"kind\":\"{POSE}\",\"true\":{},\"estimated\":{},\"certainty\":{},\"velocity\":{},\"battery\":{}}}",
         json!(seen.time_us as f64 / 1e6),
         json!(robot_in_map.map(numbers)),
         numbers(estimate_in_map),
-        json!(rounded(certainty, 1e4))
+        json!(rounded(certainty, 1e4)),
+        json!(velocity),
+        json!(battery.map(|battery| rounded(battery, 1e4)))
     )
 }
 

@@ -4,7 +4,7 @@ use super::file::{Header, POSE, TracedPose, VERSION};
 use anyhow::{Result, anyhow, bail};
 use rpl_lang::visible::visible;
 use rpl_mission::sight::Sight;
-use rpl_robot::geometry::Pose;
+use rpl_robot::geometry::{Pose, Velocity};
 use rpl_runtime::state::time::LAST_INSTANT_US;
 use rpl_runtime::state::trace::{Event, EventKind};
 use rpl_shell::files::inputs;
@@ -209,6 +209,12 @@ fn pose_of(fields: &[(String, Value)]) -> Result<TracedPose, String> {
         let &[x_m, y_m, heading_rad] = numbers.as_slice() else { return None };
         Some(Pose { x_m, y_m, heading_rad })
     };
+    // A trace of an older rpl has neither.
+    let velocity = field("velocity").and_then(Value::as_array).and_then(|numbers| {
+        let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_f64).collect();
+        let &[translation_mps, rotation_radps] = numbers.as_slice() else { return None };
+        Some(Velocity { translation_mps, rotation_radps })
+    });
     let time_us = number("time_s").and_then(time_us_of);
     let truth = match field("true") {
         Some(Value::Null) => Some(None),
@@ -216,7 +222,8 @@ fn pose_of(fields: &[(String, Value)]) -> Result<TracedPose, String> {
     };
     match (time_us, truth, pose("estimated"), number("certainty")) {
         (Some(time_us), Some(robot_in_map), Some(estimate_in_map), Some(certainty)) => {
-            Ok(TracedPose { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty } })
+            let battery = number("battery");
+            Ok(TracedPose { time_us, sight: Sight { robot_in_map, estimate_in_map, certainty, velocity, battery } })
         }
         _ => Err("is no pose: `time_s`, `true`, `estimated` and `certainty` are expected".to_string()),
     }
@@ -261,10 +268,14 @@ mod tests {
         assert_eq!(told_in(&line(&event)), Ok(Told::Event(event)));
         let pose = |x_m| Pose { x_m, y_m: -2.5, heading_rad: 1.2345 };
         for robot_in_map in [Some(pose(1.125)), None] {
-            let sight = Sight { robot_in_map, estimate_in_map: pose(-0.001), certainty: 0.875 };
+            let velocity = robot_in_map.map(|_| Velocity { translation_mps: 0.25, rotation_radps: -0.125 });
+            let battery = robot_in_map.map(|_| 0.75);
+            let sight = Sight { robot_in_map, estimate_in_map: pose(-0.001), certainty: 0.875, velocity, battery };
             let seen = TracedPose { time_us: 1_250_000, sight };
             assert_eq!(told_in(&pose_line(&seen)), Ok(Told::Pose(seen)));
         }
+        let older = "{\"time_s\":1.25,\"kind\":\"pose\",\"true\":null,\"estimated\":[0,0,0],\"certainty\":1}";
+        assert!(matches!(told_in(older), Ok(Told::Pose(seen)) if seen.sight.battery.is_none()));
     }
 
     #[test]

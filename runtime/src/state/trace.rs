@@ -11,7 +11,7 @@ pub enum EventKind {
     Begin,
     /// A task ended: `state`, `value` or `failure`.
     End,
-    /// A plan was called.
+    /// A plan was called: `arguments`, if it has any.
     Call,
     /// A plan call ended.
     Return,

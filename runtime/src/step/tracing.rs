@@ -2,15 +2,20 @@
 
 use crate::robot::RobotEvent;
 use crate::state::machine::Machine;
+use crate::state::scratch::Cursor;
 use crate::state::slab::NONE;
 use crate::state::task::{Leaving, State, Swap, Waiting};
 use crate::state::trace::{Event, EventKind};
 use crate::state::value::Value;
 use crate::step::native::Surroundings;
 use crate::step::tasks::condition::FluentReading;
+use rpl_lang::bars::written_keyword;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbol;
 use std::collections::BTreeSet;
+
+/// Elements of a list that are written of an argument.
+const MOST_ELEMENTS: usize = 8;
 
 /// A fluent's name, in parentheses with those it is computed from.
 fn nested(reading: &FluentReading) -> String {
@@ -72,11 +77,64 @@ impl Machine {
         self.event(path, EventKind::End, details);
     }
 
-    pub(crate) fn trace_call(&mut self, task: u32) {
+    pub(crate) fn trace_call(&mut self, program: &Program, task: u32, place: &Cursor) {
         if self.trace.enabled {
+            let arguments = self.arguments(program, place);
+            let details = if arguments.is_empty() { Vec::new() } else { vec![("arguments", arguments)] };
             let path = self.path(task);
-            self.event(path, EventKind::Call, Vec::new());
+            self.event(path, EventKind::Call, details);
         }
+    }
+
+    /// The arguments of the function that a frame has just entered, as they would stand in a call of it.
+    fn arguments(&self, program: &Program, place: &Cursor) -> String {
+        let parameters = &program.codes[place.frame.code as usize].parameters;
+        let base = place.frame.base as usize;
+        let given = |at: usize| self.scratch.stack.get(base + at).copied().filter(|value| *value != Value::Unbound);
+        let positional = usize::from(parameters.required) + usize::from(parameters.optional);
+        let mut written: Vec<String> =
+            (0..positional).filter_map(given).map(|value| self.argument(program, value)).collect();
+        let rest = given(positional).filter(|_| parameters.rest).map(|rest| self.beginning(rest));
+        for value in rest.into_iter().flatten() {
+            written.push(value.map_or("…".to_string(), |value| self.argument(program, value)));
+        }
+        let keys = parameters.keys.iter().zip(positional + usize::from(parameters.rest)..);
+        for (&key, value) in keys.filter_map(|(key, at)| Some((key, given(at)?))) {
+            written.push(format!("{} {}", written_keyword(self.symbols.name(key)), self.argument(program, value)));
+        }
+        written.join(" ")
+    }
+
+    /// A value as it would stand in a call. Of a list only its beginning is written: a plan that calls itself with the
+    /// rest of a list would else write a trace that grows with the square of its length.
+    fn argument(&self, program: &Program, value: Value) -> String {
+        match value {
+            Value::Symbol(_) => format!("'{}", self.write(program, value)),
+            Value::Cons(_) => {
+                let element = |value: Option<Value>| match value {
+                    Some(Value::Cons(_)) => "(…)".to_string(),
+                    Some(atom) => self.brief(program, atom),
+                    None => "…".to_string(),
+                };
+                format!("'({})", self.beginning(value).into_iter().map(element).collect::<Vec<_>>().join(" "))
+            }
+            other => self.brief(program, other),
+        }
+    }
+
+    /// The first elements of a list; nothing stands for those that follow.
+    fn beginning(&self, list: Value) -> Vec<Option<Value>> {
+        let (mut elements, mut left) = (Vec::new(), list);
+        while let Value::Cons(pair) = left {
+            if elements.len() == MOST_ELEMENTS {
+                elements.push(None);
+                break;
+            }
+            let (element, rest) = self.heap.pair(pair);
+            elements.push(Some(element));
+            left = rest;
+        }
+        elements
     }
 
     pub(crate) fn trace_call_end(&mut self, task: u32, leaving: &Leaving) {

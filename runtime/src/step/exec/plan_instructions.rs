@@ -65,7 +65,7 @@ impl Machine {
         });
         let occurrence = self.count_use(task, name);
         self.push_scope(ScopeKind::Call(Box::new(PlanCall::new(name, occurrence, span))));
-        self.trace_call(task);
+        self.trace_call(program, task, place);
         self.collect_if_full()?;
         Ok(Proceed::On)
     }

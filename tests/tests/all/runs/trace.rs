@@ -42,6 +42,26 @@ fn the_trace_tells_all_that_happened() {
     assert!(events.windows(2).all(|pair| pair[0].time_us <= pair[1].time_us));
     let called = events.iter().find(|event| event.kind == EventKind::Call).expect("a plan is called");
     assert_eq!(called.path, "main/with-policy[1]/par[0]/serve");
+    assert_eq!(called.details, [("arguments".to_string(), "'first".to_string())]);
+}
+
+/// r[trace.events]
+#[test]
+fn a_plan_call_has_its_arguments_as_they_stand_in_a_call() {
+    let plans = "(def-plan one (a &optional b c) a) (def-plan all (&rest more) more)
+        (def-plan some (&key far near) far) (def-plan none () 1)";
+    let arguments = |call: &str| {
+        let events = trace_of(&format!("{plans} {call}"));
+        let called = events.into_iter().find(|event| event.kind == EventKind::Call).expect("a plan is called");
+        called.details.into_iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(arguments("(one 'basin)"), "arguments 'basin");
+    assert_eq!(arguments("(one \"a\" nil 2.5)"), "arguments \"a\" nil 2.5");
+    assert_eq!(arguments("(one '(a (b c) 3))"), "arguments '(a (…) 3)");
+    assert_eq!(arguments("(one (range 1 100))"), "arguments '(1 2 3 4 5 6 7 8 …)");
+    assert_eq!(arguments("(all 1 'two :three)"), "arguments 1 'two :three");
+    assert_eq!(arguments("(some :near 'here)"), "arguments :near 'here");
+    assert_eq!(arguments("(none)"), "");
 }
 
 /// r[determinism.same], r[determinism.value]
