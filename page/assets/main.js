@@ -1,13 +1,17 @@
 // The page: runs side by side, one instant of all of them, and playing.
 
+import { Comparison } from "rpl/compare";
 import { element, say, set } from "rpl/elements";
-import { clock } from "rpl/run";
+import { clock, isEvent } from "rpl/run";
 import { embedded, Follower, fromReport } from "rpl/sources";
 import { TimeLine } from "rpl/time";
 import { name, RunView } from "rpl/view";
 
 const find = (id) => document.getElementById(id);
-const player = { views: [], time: 0, count: null, isPlaying: false, follows: false, line: null, isDue: true, laidOut: 0, standing: null };
+const player = { views: [], time: 0, count: null, isPlaying: false, follows: false, line: null, comparison: null, isDue: true, laidOut: 0, layOutTimer: null, standing: null };
+
+/** The time line of a run that goes on is laid out no more often than this, in milliseconds. */
+const LAY_OUT_MS = 250;
 
 function goTo(time, count = null) {
   player.follows = false;
@@ -33,7 +37,6 @@ function stepBy(by) {
   const { run } = player.views[0];
   player.isPlaying = false;
   let at = player.count ?? run.upTo(player.time);
-  const isEvent = ([, seen]) => !(seen.robot || seen.ranges || seen.obstacles || seen.belief);
   do at += by; while (at > 0 && at < run.lines.length && !isEvent(run.lines[at - 1]));
   at = Math.min(run.lines.length, Math.max(0, at));
   goTo(at ? run.times[at - 1] : 0, at);
@@ -41,20 +44,23 @@ function stepBy(by) {
 
 function setViews(runs) {
   const steers = (text) => player.standing?.control && steer({ break: text });
-  player.views = runs.map((run) => new RunView(run, { goTo, again, steers }));
+  player.views = runs.map((run) => new RunView(run, { goTo, again, steers, isAlone: runs.length === 1 }));
   find("runs").replaceChildren(...player.views.map((view) => view.node));
   find("runs").className = runs.length > 1 ? "side-by-side" : "";
   player.line = new TimeLine(runs, goTo, (run, bar) => {
-    player.views.find((view) => view.run === run)?.choose(bar.id);
+    player.views.find((view) => view.run === run)?.choose(bar.task);
     goTo(bar.from, bar.at);
   });
   find("line").replaceChildren(player.line.node);
+  player.comparison = runs.length > 1 ? new Comparison(runs, goTo) : null;
+  find("differences").replaceChildren(...(player.comparison ? [player.comparison.node] : []));
   const { head } = runs[0];
   const title = runs.length > 1 ? `${runs.length} runs` : head.plan || "a session";
   say(find("title"), title);
   document.title = `${runs.map((run) => name(run.head)).join(" | ")} – RPL`;
   say(find("facts"), runs.length > 1 ? "" : [head.map?.name, `seed ${head.seed}`, `rpl ${head.rpl}`].filter(Boolean).join(" · "));
   player.line.layOut();
+  player.comparison?.show();
   again();
 }
 
@@ -66,7 +72,7 @@ function frame(now) {
   const passed = before === null ? 0 : (now - before) * 1000;
   before = now;
   if (player.isPlaying && player.views.length) {
-    const next = player.time + passed * Number(find("pace").value);
+    const next = player.time + passed * Number(find("playback").value);
     place(next);
     if (player.time >= end()) player.isPlaying = false;
   }
@@ -81,10 +87,7 @@ function frame(now) {
 
 function show() {
   player.isDue = false;
-  if (player.line.end !== Math.max(1, end()) && performance.now() - player.laidOut > 250) {
-    player.line.layOut();
-    player.laidOut = performance.now();
-  }
+  layOutLine();
   const isStill = !player.isPlaying && !player.follows;
   for (const view of player.views) {
     const count = player.count !== null && view === player.views[0] ? player.count : view.run.upTo(player.time);
@@ -97,6 +100,22 @@ function show() {
   say(find("play"), player.isPlaying ? "❚❚" : "▶");
   set(find("play"), "aria-label", player.isPlaying ? "Hold" : "Play");
   set(find("end"), "aria-pressed", player.follows);
+}
+
+/** Lays the time line out once the run is longer, and again after the last line if that came too soon. */
+function layOutLine() {
+  if (player.line.end === Math.max(1, end())) return;
+  const left = player.laidOut + LAY_OUT_MS - performance.now();
+  if (left > 0) {
+    player.layOutTimer ??= setTimeout(() => {
+      player.layOutTimer = null;
+      again();
+    }, left);
+    return;
+  }
+  player.line.layOut();
+  player.comparison?.show();
+  player.laidOut = performance.now();
 }
 
 function isAtEnd() {

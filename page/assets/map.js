@@ -15,13 +15,27 @@ const CERTAIN = ["lost", "doubtful", "likely", "certain"];
 const STEPS = 9;
 
 const LAYERS = [
-  ["belief", "belief"], ["rays", "sensor rays"], ["obstacles", "obstacles it remembers"],
-  ["targets", "way and targets"], ["trail", "trail"], ["names", "names"],
+  ["belief", "belief"], ["rays", "sensor rays"], ["obstacles", "remembered obstacles"],
+  ["targets", "way and targets"], ["trail", "trail"], ["names", "rooms and places"],
 ];
 
+/** A press that moves less than this, in pixels, is a click. */
+const CLICK = 4;
+
+/** Size of names, and about how wide a letter of them is, in pixels. */
+const NAME = 11;
+const LETTER = 6.4;
+
+/** More names are not laid out. */
+const MOST_NAMES = 400;
+
+/** How a person is drawn, in millimetres. */
+const PERSON = 250;
+
 export class MapView {
-  constructor(run) {
+  constructor(run, isAlone) {
     this.run = run;
+    this.drawnClosed = this.drawnThings = this.drawnPeople = undefined;
     const { map, robot } = run.head;
     this.map = map;
     this.robot = robot;
@@ -29,13 +43,19 @@ export class MapView {
     this.follows = false;
     this.svg = drawn("svg", { class: "map", role: "img", tabindex: 0, "aria-label": `Map of ${map.name}` });
     this.legend = this.makeLegend();
+    this.legend.open = isAlone && matchMedia("(min-width: 62rem)").matches;
     this.scale = element("div", { class: "scale", "aria-label": "Scale" }, element("span"));
     this.words = element("p", { class: "whereabouts", role: "status" });
-    this.node = element("figure", { class: "map-figure" }, this.svg, this.scale, this.words,
-      element("div", { class: "map-tools", role: "toolbar", "aria-label": "Map" },
-        this.tool("+", "Nearer (+)", () => this.zoom(0.7)), this.tool("−", "Farther (−)", () => this.zoom(1 / 0.7)),
-        this.tool("⤢", "All of it (0)", () => this.all()), this.followTool = this.tool("◎", "Follow the robot (f)", () => this.follow())),
-      this.legend);
+    this.measured = element("div", { class: "measured", role: "status", "aria-label": "Measured", hidden: true });
+    this.velocity = robot && new VelocityView(robot);
+    this.node = element("div", { class: "map-view" },
+      element("figure", { class: "map-figure" }, this.svg),
+      element("div", { class: "map-side" },
+        element("div", { class: "map-tools", role: "toolbar", "aria-label": "Map" },
+          this.tool("+", "Nearer (+)", () => this.zoom(0.7)), this.tool("−", "Farther (−)", () => this.zoom(1 / 0.7)),
+          this.tool("⤢", "All of it (0)", () => this.all()), this.followTool = this.tool("◎", "Follow the robot (f)", () => this.follow())),
+        this.measured, this.legend, ...(this.velocity ? [this.velocity.node] : [])),
+      element("div", { class: "map-foot" }, this.scale, this.words));
     this.makeLayers();
     this.listen();
     new ResizeObserver(() => this.frame()).observe(this.svg);
@@ -52,11 +72,12 @@ export class MapView {
     const boxes = LAYERS.map(([name, words]) => element("label", {},
       element("input", { type: "checkbox", checked: true, onchange: (event) => this.svg.classList.toggle(`without-${name}`, !event.target.checked) }),
       name === "belief" ? this.beliefKey() : key(name), words));
-    const truth = this.run.head.truth ? [element("span", {}, key("truth"), "where it really is")] : [];
-    const legend = element("details", { class: "legend" }, element("summary", {}, "Legend"),
-      element("span", {}, key("estimate"), "where it believes to be"), ...truth, ...boxes);
-    legend.open = matchMedia("(min-width: 110rem)").matches;
-    return legend;
+    const others = [
+      ...(this.map.doors.length ? [["open", "open door"], ["closed", "closed door"]] : []),
+      ...(this.run.head.truth ? [["truth", "real position"], ["things", "not in its map"], ["people", "people"]] : []),
+    ].map(([kind, words]) => element("span", {}, key(kind), words));
+    return element("details", { class: "legend" }, element("summary", {}, "Legend"),
+      element("span", {}, key("estimate"), "believed position"), ...others, ...boxes);
   }
 
   beliefKey() {
@@ -69,14 +90,14 @@ export class MapView {
     const layer = (name, tag = "g", attributes = {}) => drawn(tag, { class: name, ...attributes });
     this.solids = layer("solids");
     const paths = new Map();
-    for (const { kind, outline, radius } of map.solids) {
-      const [[x, y]] = outline;
-      const path = radius
-        ? `M${x - radius} ${-y}a${radius} ${radius} 0 1 0 ${2 * radius} 0a${radius} ${radius} 0 1 0 ${-2 * radius} 0z`
-        : `M${outline.map(([x, y]) => `${x} ${-y}`).join("L")}z`;
-      paths.set(kind, (paths.get(kind) ?? "") + path);
+    for (const solid of map.solids) {
+      if (solid.kind !== "unmapped") paths.set(solid.kind, (paths.get(solid.kind) ?? "") + outlinePath(solid));
     }
     for (const [kind, d] of paths) this.solids.append(drawn("path", { class: kind, d }));
+    this.doors = layer("doors");
+    map.doors.forEach(({ room }) => this.doors.append(drawn("path", {}, drawn("title", {}, `door of ${room}`))));
+    this.things = layer("things");
+    this.people = layer("people");
     this.belief = layer("belief", "image", { preserveAspectRatio: "none" });
     this.maxima = layer("maxima");
     this.trails = CERTAIN.map((name) => layer(`trail ${name}`, "path"));
@@ -84,10 +105,10 @@ export class MapView {
     this.obstacles = layer("obstacles", "path");
     this.targets = layer("targets");
     this.names = layer("names");
-    for (const [name, [x, y]] of map.rooms) this.names.append(drawn("text", { x, y: -y, class: "room" }, name));
-    for (const [name, [x, y]] of map.places) {
-      this.names.append(drawn("circle", { cx: x, cy: -y, r: 60, class: "place" }, drawn("title", {}, name)));
-    }
+    for (const [name, [x, y]] of map.places) this.names.append(drawn("circle", { cx: x, cy: -y, r: 60, class: "place" }, drawn("title", {}, name)));
+    this.called = [...map.places.map((place) => [...place, "place"]), ...map.rooms.map((room) => [...room, "room"])].slice(0, MOST_NAMES)
+      .map(([name, [x, y], kind]) => ({ name, x, y: -y, node: this.names.appendChild(drawn("text", { x, y: -y, class: kind }, name)), kind }));
+    this.clicks = layer("clicks");
     const radius = this.robot?.radius ?? 250;
     const disc = (kind) => drawn("g", { class: `robot ${kind}`, "data-kind": kind },
       drawn("circle", { r: radius }), drawn("path", { d: `M0 0H${radius * 1.35}` }));
@@ -97,7 +118,8 @@ export class MapView {
     this.estimate.setAttribute("display", "none");
     const [x, y] = map.corner;
     this.svg.append(layer("floor", "rect", { x, y: -y - map.size[1], width: map.size[0], height: map.size[1] }),
-      this.belief, this.solids, this.names, ...this.trails, this.rays, this.obstacles, this.targets, this.maxima, this.truth, this.estimate);
+      this.belief, this.solids, this.things, this.doors, ...this.trails, this.rays, this.obstacles, this.targets, this.names, this.people, this.maxima,
+      this.truth, this.estimate, this.clicks);
     this.picture = document.createElement("canvas");
   }
 
@@ -137,29 +159,94 @@ export class MapView {
       const length = lengths.find((length) => length / perPixel >= 60) ?? 200000;
       this.scale.style.width = `${length / perPixel}px`;
       say(this.scale.firstChild, length < 1000 ? `${length / 10} cm` : `${length / 1000} m`);
+      this.layOutNames();
+      this.showClicks();
     }
     set(this.followTool, "aria-pressed", this.follows);
   }
 
+  /** Names that would lie on one another are left out, those of rooms before those of places. */
+  layOutNames() {
+    const taken = [];
+    for (const { name, x, y, node, kind } of this.called) {
+      const half = (name.length * LETTER * this.perPixel) / 2;
+      const height = NAME * 1.2 * this.perPixel;
+      const at = kind === "place" ? y - 8 * this.perPixel : y;
+      const box = [x - half, at - height, x + half, at];
+      const isFree = taken.every((other) => box[2] < other[0] || box[0] > other[2] || box[3] < other[1] || box[1] > other[3]);
+      if (isFree) taken.push(box);
+      set(node, "y", at.toFixed(0));
+      set(node, "display", isFree ? "inline" : "none");
+    }
+  }
+
   listen() {
     let held = null;
+    let pressed = null;
     this.svg.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? 1.15 : 1 / 1.15);
     }, { passive: false });
     this.svg.addEventListener("pointerdown", (event) => {
-      held = [event.clientX, event.clientY];
+      held = pressed = [event.clientX, event.clientY];
       this.svg.setPointerCapture(event.pointerId);
     });
     this.svg.addEventListener("pointermove", (event) => {
       if (!held) return;
+      if (pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < CLICK) return;
+      pressed = null;
       this.follows = false;
       this.look.x -= (event.clientX - held[0]) * this.perPixel;
       this.look.y -= (event.clientY - held[1]) * this.perPixel;
       held = [event.clientX, event.clientY];
       this.frame();
     });
-    for (const end of ["pointerup", "pointercancel"]) this.svg.addEventListener(end, () => { held = null; });
+    this.svg.addEventListener("pointerup", (event) => {
+      if (pressed) this.measure(event);
+      held = pressed = null;
+    });
+    this.svg.addEventListener("pointercancel", () => { held = pressed = null; });
+  }
+
+  /** Where somebody has clicked, and how far that is from the robot, the click before and the nearest place. */
+  measure({ clientX, clientY }) {
+    const box = this.svg.getBoundingClientRect();
+    const x = this.look.x + (clientX - box.left - box.width / 2) * this.perPixel;
+    const y = -(this.look.y + (clientY - box.top - box.height / 2) * this.perPixel);
+    this.clicked = [...(this.clicked ?? []).slice(-1), [x, y]];
+    this.showMeasured();
+    this.showClicks();
+  }
+
+  showMeasured() {
+    if (!this.clicked?.length) return;
+    const [x, y] = this.clicked[this.clicked.length - 1];
+    const metres = (point) => `${(Math.hypot(point[0] - x, point[1] - y) / 1000).toFixed(2)} m`;
+    const [nearest] = this.map.places.map(([name, at]) => ({ name, at, far: Math.hypot(at[0] - x, at[1] - y) })).sort((one, other) => one.far - other.far);
+    const facts = [["x", `${(x / 1000).toFixed(2)} m`], ["y", `${(y / 1000).toFixed(2)} m`],
+      ...(this.pose ? [["from the robot", metres(this.pose)]] : []), ...(this.clicked.length > 1 ? [["from the last click", metres(this.clicked[0])]] : []),
+      ...(nearest ? [["nearest place", `${nearest.name}, ${metres(nearest.at)}`]] : [])];
+    const key = facts.join();
+    if (key === this.saidMeasured) return;
+    this.saidMeasured = key;
+    this.measured.hidden = false;
+    this.measured.replaceChildren(
+      element("p", {}, "Measured", element("button", { type: "button", "aria-label": "Measure no more", onclick: () => this.forgetClicks() }, "×")),
+      element("dl", {}, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", { "data-measure": name }, value)])));
+  }
+
+  forgetClicks() {
+    this.clicked = [];
+    this.saidMeasured = null;
+    this.measured.hidden = true;
+    this.showClicks();
+  }
+
+  showClicks() {
+    const reach = 7 * this.perPixel;
+    const crosses = (this.clicked ?? []).map(([x, y]) => `M${x - reach} ${-y}h${2 * reach}M${x} ${-y - reach}v${2 * reach}`).join("");
+    const line = this.clicked?.length > 1 ? `M${this.clicked.map(([x, y]) => `${x} ${-y}`).join("L")}` : "";
+    this.clicks.replaceChildren(drawn("path", { d: crosses }), drawn("path", { class: "between", d: line }));
   }
 
   key(name) {
@@ -182,6 +269,10 @@ export class MapView {
       set(this.obstacles, "d", d);
     }
     this.showTrail(time);
+    if (state.closed !== this.drawnClosed) this.showDoors(state.closed);
+    if (state.things !== this.drawnThings) this.showThings(state.things);
+    if (state.people !== this.drawnPeople) this.showPeople(state.people);
+    this.showMeasured();
     if (this.follows) this.frame();
   }
 
@@ -217,6 +308,40 @@ export class MapView {
     const share = (robot.certainty / 10).toFixed(0);
     const degrees = ((heading * 0.18 / Math.PI % 360) + 360) % 360;
     say(this.words, `${(x / 1000).toFixed(2)} ${(y / 1000).toFixed(2)} m, ${degrees.toFixed(0)}°, certainty ${share} %`);
+  }
+
+  /** The leaf of an open door is drawn as it stands in a plan of a house: turned into the room. */
+  showDoors(closed) {
+    this.drawnClosed = closed;
+    this.map.doors.forEach(({ jambs: [[x, y], [otherX, otherY]], open }, number) => {
+      const isOpen = closed ? !closed.includes(number) : open;
+      const node = this.doors.children[number];
+      const [along, across] = [otherX - x, otherY - y];
+      const width = Math.hypot(along, across);
+      set(node, "class", isOpen ? "open" : "closed");
+      set(node, "data-door", isOpen ? "open" : "closed");
+      set(node, "d", isOpen ? `M${x} ${-y}L${x - across} ${-(y + along)}A${width} ${width} 0 0 1 ${otherX} ${-otherY}` : `M${x} ${-y}L${otherX} ${-otherY}`);
+      say(node.firstChild, `door of ${this.map.doors[number].room}: ${isOpen ? "open" : "closed"}`);
+    });
+  }
+
+  showThings(things) {
+    this.drawnThings = things;
+    const there = things ?? this.map.solids.filter(({ kind }) => kind === "unmapped");
+    this.things.replaceChildren(...there.flatMap((thing) => {
+      const [x, y] = thing.outline.reduce(([x, y], [pointX, pointY]) => [x + pointX / thing.outline.length, y + pointY / thing.outline.length], [0, 0]);
+      return [drawn("path", { d: outlinePath(thing), "data-thing": thing.name }, drawn("title", {}, `${thing.name}, not in the map`)),
+        drawn("text", { x: x.toFixed(0), y: (-y).toFixed(0) }, thing.name)];
+    }));
+  }
+
+  showPeople(people) {
+    this.drawnPeople = people;
+    const nodes = [];
+    for (let at = 0; at + 1 < people.length; at += 2) {
+      nodes.push(drawn("circle", { cx: people[at] * 10, cy: -people[at + 1] * 10, r: PERSON }, drawn("title", {}, "a person")));
+    }
+    this.people.replaceChildren(...nodes);
   }
 
   showTrail(time) {
@@ -290,6 +415,13 @@ export class MapView {
     this.drawnBelief = undefined;
     if (belief) this.showBelief(belief);
   }
+}
+
+function outlinePath({ outline, radius }) {
+  const [[x, y]] = outline;
+  return radius
+    ? `M${x - radius} ${-y}a${radius} ${radius} 0 1 0 ${2 * radius} 0a${radius} ${radius} 0 1 0 ${-2 * radius} 0z`
+    : `M${outline.map(([x, y]) => `${x} ${-y}`).join("L")}z`;
 }
 
 /** The velocity within what the robot can reach: translation upwards, rotation to the left and right. */

@@ -2,6 +2,7 @@
 
 import { element } from "rpl/elements";
 import { standing } from "rpl/run";
+import { TreeView } from "rpl/tree";
 
 /** The end of the form or name that begins at a place: strings, comments and characters are gone over. */
 function endOfForm(text, from) {
@@ -28,13 +29,20 @@ function stringEnd(text, at) {
   return at;
 }
 
+/** So long the text stays where a reader has turned it, in milliseconds. */
+const READER_MS = 8000;
+
 export class PlanView {
-  constructor(run, steers) {
+  constructor(run, { steers, choose, again }) {
+    Object.assign(this, { run, again });
     this.texts = new Map();
     this.shown = new Map();
-    const tabs = element("div", { class: "tabs", role: "tablist", "aria-label": "Texts" });
-    this.node = element("div", { class: "plan" }, tabs);
-    run.head.texts.forEach(({ name, text }, at) => {
+    this.turnedAt = -Infinity;
+    this.tree = new TreeView(run, choose);
+    this.pages = [];
+    this.tabs = element("div", { class: "tabs", role: "tablist", "aria-label": "The plan" });
+    this.node = element("div", { class: "plan" }, this.tabs);
+    run.head.texts.forEach(({ name, text }) => {
       const starts = [0];
       const lines = text.split("\n").map((line, number) => {
         starts.push(starts[number] + line.length + 1);
@@ -45,25 +53,59 @@ export class PlanView {
         return { node: element("div", { class: "row" }, gutter, code), code, line };
       });
       const list = element("div", { class: "text", role: "tabpanel", tabindex: 0, "aria-label": name }, ...lines.map((line) => line.node));
-      const tab = element("button", { type: "button", role: "tab", onclick: () => this.turnTo(name) }, name);
-      this.texts.set(name, { text, starts, lines, list, tab });
-      tabs.append(tab);
-      this.node.append(list);
-      if (at === 0) this.turnTo(name);
+      for (const turn of ["wheel", "touchmove", "pointerdown", "keydown"]) {
+        list.addEventListener(turn, () => { this.turnedAt = performance.now(); }, { passive: true });
+      }
+      this.texts.set(name, { text, starts, lines, list });
+      this.addPage(name, list);
     });
-    tabs.hidden = run.head.texts.length < 2;
-    if (!run.head.texts.length) this.node.append(element("p", { class: "nothing" }, "The text of the plan is not at hand."));
+    this.addPage("Tree", this.tree.node);
+    this.turnTo(this.pages[0].name);
+  }
+
+  addPage(name, node) {
+    const tab = element("button", { type: "button", role: "tab", onclick: () => {
+      this.turnedAt = performance.now();
+      this.turnTo(name);
+      this.again();
+    } }, name);
+    this.pages.push({ name, node, tab });
+    this.tabs.append(tab);
+    this.node.append(node);
   }
 
   turnTo(name) {
-    for (const [known, { list, tab }] of this.texts) {
-      list.hidden = known !== name;
+    this.page = name;
+    for (const { name: known, node, tab } of this.pages) {
+      node.hidden = known !== name;
       tab.setAttribute("aria-selected", known === name);
     }
   }
 
-  /** Marks of each line: from, to, how the task stands, and a title. */
-  marks(state, before) {
+  /** The place in the texts where what has changed last goes on: that of the task, or of the next one above it. */
+  innermost(state) {
+    let last = null;
+    for (const task of state.tasks.values()) {
+      if (task.state === "suspended" || task.state === "created" || (last && task.line < last.line)) continue;
+      if (this.placeAbove(state, task)) last = task;
+    }
+    return last && this.placeAbove(state, last);
+  }
+
+  placeAbove(state, task) {
+    for (let at = task; at; at = state.tasks.get(at.parent)) if (this.placeIn(at.at)) return at.at;
+    return null;
+  }
+
+  /** A place as text, line and column, if the page has the text. */
+  placeIn(place) {
+    const [, name, line, column] = place?.match(/^(.*):(\d+):(\d+)$/) ?? [];
+    const text = this.texts.get(name);
+    return text?.lines[line - 1] ? { text, name, line: Number(line) - 1, column: Number(column) - 1 } : null;
+  }
+
+  /** Marks of each line: from, to, how the task stands, a title, and whether it is the innermost form. */
+  marks(state, before, innermost) {
     const marks = new Map();
     const places = new Map();
     for (const task of state.tasks.values()) {
@@ -71,20 +113,19 @@ export class PlanView {
       if (!places.has(task.at)) places.set(task.at, []);
       places.get(task.at).push(task);
     }
-    if (before) places.set(before, [{ path: "the run", state: "before" }]);
+    if (before) places.set(before, [{ state: "before" }]);
     for (const [place, tasks] of places) {
-      const [, name, line, column] = place.match(/^(.*):(\d+):(\d+)$/) ?? [];
-      const text = this.texts.get(name);
-      const number = Number(line) - 1;
-      if (!text?.lines[number]) continue;
-      const from = text.starts[number] + Number(column) - 1;
+      const found = this.placeIn(place);
+      if (!found) continue;
+      const { text, name, line: number } = found;
+      const from = text.starts[number] + found.column;
       const to = endOfForm(text.text, from);
       // Who waits for its children only stands around them.
       const kind = (task) => (task.on === "children" ? "around" : task.state);
       const how = ["before", "ready", "waits", "suspended", "around", "created"].find((how) => tasks.some((task) => kind(task) === how));
-      const title = tasks.slice(0, 8).map((task) => how === "before" ? "the run stands here" : `${task.path}: ${standing(task, state.time)}`).join("\n");
+      const title = tasks.slice(0, 8).map((task) => how === "before" ? "the run stands here" : `${this.run.nodes.taskName(task)}: ${standing(task, state.time)}\n${task.path}`).join("\n");
       for (let at = number; at < text.lines.length && text.starts[at] < to; at++) {
-        const mark = [Math.max(0, from - text.starts[at]), Math.min(text.lines[at].line.length, to - text.starts[at]), how, title];
+        const mark = [Math.max(0, from - text.starts[at]), Math.min(text.lines[at].line.length, to - text.starts[at]), how, title, place === innermost];
         const key = `${name}:${at}`;
         if (!marks.has(key)) marks.set(key, []);
         marks.get(key).push(mark);
@@ -94,28 +135,29 @@ export class PlanView {
   }
 
   show(state, before) {
-    const marks = this.marks(state, before);
+    if (this.page === "Tree") return this.tree.show(state);
+    const innermost = before ?? this.innermost(state);
+    const marks = this.marks(state, before, innermost);
     for (const key of this.shown.keys()) if (!marks.has(key)) this.mark(key, []);
     for (const [key, list] of marks) this.mark(key, list);
     this.shown = marks;
-    if (before && before !== this.stood) this.showPlace(before);
-    if (!this.isPlaced && marks.size) {
-      // What is at work comes first; from then on the reader turns the text.
-      this.isPlaced = true;
-      const [key] = [...marks].find(([, list]) => list.some(([, , how]) => how !== "around")) ?? [...marks][0];
-      const [, name, line] = key.match(/^(.*):(\d+)$/);
-      this.showPlace(`${name}:${Number(line) + 1}:1`);
-    }
+    // A place where the run was stopped is shown in any case.
+    const isAsked = before && before !== this.stood;
     this.stood = before;
+    if (innermost && innermost !== this.followed && (isAsked || performance.now() - this.turnedAt > READER_MS)) {
+      this.followed = innermost;
+      this.showPlace(innermost);
+    }
   }
 
   showPlace(place) {
-    const [, name, line] = place.match(/^(.*):(\d+):(\d+)$/) ?? [];
-    const text = this.texts.get(name);
-    if (!text) return;
-    this.turnTo(name);
-    const row = text.lines[Number(line) - 1]?.node;
-    if (row) text.list.scrollTop = row.offsetTop - text.list.offsetTop - text.list.clientHeight / 2;
+    const found = this.placeIn(place);
+    if (!found) return;
+    const { text: { list, lines }, name, line } = found;
+    if (this.page !== name) this.turnTo(name);
+    const { node } = lines[line];
+    const top = node.offsetTop - list.offsetTop;
+    if (top < list.scrollTop || top + 2 * node.offsetHeight > list.scrollTop + list.clientHeight) list.scrollTop = top - list.clientHeight / 2;
   }
 
   mark(key, list) {
@@ -132,12 +174,24 @@ export class PlanView {
     }
     // What is done there counts before what is around it, and of several the innermost.
     const inner = list.filter(([, , how]) => how !== "around");
-    const [from, to, how, title] = (inner.length ? inner : list).reduce((one, other) => (other[1] - other[0] < one[1] - one[0] ? other : one));
+    const [from, to, how, title, isInnermost] = list.find((mark) => mark[4])
+      ?? (inner.length ? inner : list).reduce((one, other) => (other[1] - other[0] < one[1] - one[0] ? other : one));
+    const name = isInnermost ? `${how} innermost` : how;
     const indent = row.line.length - row.line.trimStart().length;
     const start = Math.max(from, Math.min(indent, to));
-    row.code.replaceChildren(row.line.slice(0, start), element("mark", { class: how, title }, row.line.slice(start, to)), row.line.slice(to));
-    row.node.className = `row marked ${how}`;
+    row.code.replaceChildren(row.line.slice(0, start), element("mark", { class: name, title }, row.line.slice(start, to)), row.line.slice(to));
+    row.node.className = `row marked ${name}`;
   }
+}
+
+/** No more of what was told is shown at a time. */
+const MOST_TOLD = 200;
+
+/** What kind of thing was told, as far as one knows after so many lines. */
+function kindOf(one, at) {
+  if (one.kind !== "failure") return one.kind;
+  if (one.endsAt <= at) return "failure end";
+  return one.handledAt <= at ? "failure handled" : "failure";
 }
 
 /** What was printed, logged and told, up to an instant. */
@@ -158,14 +212,21 @@ export class LogView {
       if (told[middle].at <= at) low = middle + 1;
       else high = middle;
     }
-    if (low === this.count) return;
-    const rows = told.slice(Math.max(0, low - 200), low).map((one) => {
+    // A failure is known to have been handled, or to have ended the run, only later.
+    const key = told.slice(Math.max(0, low - MOST_TOLD), low).map((one) => kindOf(one, at)).join();
+    if (low === this.count && key === this.kinds) return;
+    this.kinds = key;
+    const rows = told.slice(Math.max(0, low - MOST_TOLD), low).map((one) => {
       const time = element("button", { type: "button", class: "when", onclick: () => this.goTo(one.time) }, (one.time / 1e6).toFixed(1));
-      return element("li", { class: one.kind }, time, element("span", {}, one.text));
+      return element("li", { class: kindOf(one, at), title: one.task }, time, element("span", {}, this.text(one, at)));
     });
     this.node.replaceChildren(...(rows.length ? rows : [element("li", { class: "nothing" }, "Nothing so far.")]));
     this.node.scrollTop = this.node.scrollHeight;
     this.count = low;
   }
+  text(one, at) {
+    if (one.kind !== "failure") return one.text;
+    const what = { "failure end": "ended the run", "failure handled": "handled", failure: "raised" }[kindOf(one, at)];
+    return `${this.run.nodes.nameOf(one.task)}: ${one.text} (${what})`;
+  }
 }
-

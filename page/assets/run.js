@@ -2,6 +2,11 @@
 // A copy of the state is kept now and then, so that any instant is near one. What `after` gives is shown at once: it goes on
 // with the next line that is asked for.
 
+import { isWithin, Nodes } from "rpl/nodes";
+
+/** As far back a failure is looked for that is handled, or raised again. */
+const FAR_BACK = 500;
+
 /** Lines between two kept states, at least; with many tasks more, so that keeping them costs no more than the lines do. */
 const LINES_BETWEEN = 1500;
 
@@ -18,6 +23,9 @@ class State {
     this.targets = [];
     this.obstacles = [];
     this.belief = null;
+    this.closed = null;
+    this.things = null;
+    this.people = [];
     this.isFull = false;
   }
 
@@ -48,19 +56,37 @@ class State {
         case "targets": this.targets = value; break;
         case "obstacles": this.obstacles = value; break;
         case "belief": this.belief = value; break;
+        case "closed": this.closed = value; break;
+        case "things": this.things = value; break;
+        case "people": this.people = value; break;
         case "full": this.isFull = true; break;
       }
     }
   }
 }
 
+/** Kinds of line that tell of the robot going on, and of no event. */
+const GOING_ON = ["robot", "ranges", "obstacles", "belief", "people", "targets", "closed", "things"];
+
+/** Whether something happened in a line besides the robot going on. */
+export function isEvent([, seen]) {
+  return !GOING_ON.some((what) => what in seen);
+}
+
 /** How a value of a fluent is drawn: a number, or 0 and 1 for nil and all else. */
-export function numberOf(text) {
+function numberOf(text) {
   if (text === null || text === undefined) return null;
   const number = Number(text);
   if (text !== "" && Number.isFinite(number)) return number;
   return text === "nil" ? 0 : 1;
 }
+
+/** What is known of the robot as a number, with its unit and how it is read off a line. */
+const ROBOT_CURVES = [
+  ["battery", "%", (robot) => robot.battery === undefined ? null : robot.battery / 10],
+  ["position certainty", "%", (robot) => robot.certainty / 10],
+  ["speed", "m/s", (robot) => robot.speed ? robot.speed[0] / 1000 : null],
+];
 
 export class Run {
   constructor(head) {
@@ -74,11 +100,10 @@ export class Run {
     this.track = [];
     /** What was told: line number, time, and what. */
     this.told = [];
-    /** Each fluent's changes: time and number. */
-    this.history = new Map();
-    /** Bars of tasks: id, path, from, to, how it ended. */
-    this.bars = [];
-    this.barOf = new Map();
+    /** Tasks and plan calls, as far as they have come. */
+    this.nodes = new Nodes(head.texts);
+    /** Curves of numbers by name. */
+    this.curves = new Map();
     this.isOver = false;
   }
 
@@ -97,31 +122,70 @@ export class Run {
     const [time, seen] = line;
     const at = this.lines.push(line);
     this.times.push(time);
+    if (seen.valve) this.nameHolders(seen.valve);
     this.latest.take(line);
-    if (seen.robot) this.track.push([at, time, seen.robot.estimate[0], seen.robot.estimate[1], seen.robot.certainty]);
-    if (seen.told) this.told.push({ at, time, ...seen.told });
-    if (seen.fluent) this.noteFluent(time, seen.fluent);
-    if (seen.task && !this.barOf.has(seen.task.id)) {
-      const bar = { id: seen.task.id, path: seen.task.path, from: time, to: null, state: null, result: "", at };
-      this.barOf.set(bar.id, bar);
-      this.bars.push(bar);
-    }
-    if (seen.task?.calls) this.barOf.get(seen.task.id).call ??= seen.task.calls.split("/")[1];
-    if (seen.ended) {
-      const bar = this.barOf.get(seen.ended.id);
-      if (bar) Object.assign(bar, { to: time, state: seen.ended.state, result: seen.ended.result ?? "", endedAt: at });
-    }
+    if (seen.robot) this.noteRobot(at, time, seen.robot);
+    if (seen.told) this.noteTold({ at, time, ...seen.told });
+    if (seen.fluent) this.curve(seen.fluent.name, "").add(time, numberOf(seen.fluent.value), seen.fluent.value);
+    if (seen.task) this.nodes.take(seen.task, time, at);
+    if (seen.ended) this.noteEnded(seen.ended, time, at);
     if (++this.sinceKept >= Math.max(LINES_BETWEEN, this.latest.size)) {
       this.kept.push({ at, state: this.latest.copy() });
       this.sinceKept = 0;
     }
   }
 
-  noteFluent(time, { name, value }) {
-    const number = numberOf(value);
-    if (number === null) return;
-    if (!this.history.has(name)) this.history.set(name, []);
-    this.history.get(name).push([time, number]);
+  /** A holder goes by the plan call in which it was given the valve, whatever it calls while it has it. */
+  nameHolders(valve) {
+    const before = this.latest.valves.get(valve.name)?.names ?? new Map();
+    const name = (id) => before.get(id) ?? (this.latest.tasks.has(id) ? this.nodes.holderName(this.latest.tasks.get(id)) : "?");
+    valve.names = new Map([...valve.holders, ...valve.taken].map((id) => [id, name(id)]));
+  }
+
+  noteRobot(at, time, robot) {
+    this.track.push([at, time, robot.estimate[0], robot.estimate[1], robot.certainty]);
+    for (const [name, unit, read] of ROBOT_CURVES) {
+      const number = read(robot);
+      if (number !== null) this.curve(name, unit, true).add(time, number);
+    }
+  }
+
+  curve(name, unit, isOfRobot = false) {
+    const key = isOfRobot ? `robot ${name}` : name;
+    if (!this.curves.has(key)) this.curves.set(key, new Curve(name, unit, isOfRobot));
+    return this.curves.get(key);
+  }
+
+  noteTold(one) {
+    const last = this.told[this.told.length - 1];
+    if (one.kind === "handled") {
+      const failure = this.lastFailure((told) => !told.handledAt && isWithin(told.task, one.task));
+      if (failure) failure.handledAt = one.at;
+      return;
+    }
+    // A failure that goes up through tasks, or that a behaviour gave up with, is the same one.
+    const isSame = (told) => told?.kind === "failure" && !told.handledAt
+      && (one.kind === "failure" ? told.text === one.text && isWithin(told.task, one.task)
+        : told.time === one.time && one.text.endsWith(`gives up: ${told.text}`));
+    if (one.kind === "failure" ? isSame(this.lastFailure(() => true)) : one.kind === "robot" && isSame(last)) return;
+    this.told.push(one);
+  }
+
+  /** The last failure of those that are meant, among the last few things that were told. */
+  lastFailure(isMeant) {
+    for (let at = this.told.length - 1; at >= Math.max(0, this.told.length - FAR_BACK); at--) {
+      if (this.told[at].kind === "failure" && isMeant(this.told[at])) return this.told[at];
+    }
+    return null;
+  }
+
+  noteEnded(ended, time, at) {
+    const node = this.nodes.end(ended, time, at);
+    if (!node || node.parent || ended.state !== "failed") return;
+    const failure = this.lastFailure((told) => told.text === ended.result && isWithin(told.task, node.path))
+      ?? this.lastFailure((told) => isWithin(told.task, node.path));
+    // Nothing is above it that could handle it.
+    if (failure) failure.endsAt = at;
   }
 
   /** The time of the last line. */
@@ -195,6 +259,33 @@ export function search(track, time) {
   return low;
 }
 
+/** A number over the time of the run, and its least and greatest. */
+class Curve {
+  constructor(name, unit, isOfRobot) {
+    Object.assign(this, { name, unit, isOfRobot, points: [], low: Infinity, high: -Infinity, isOfNumbers: true });
+  }
+
+  add(time, number, text) {
+    if (number === null) return;
+    this.points.push([time, number]);
+    this.low = Math.min(this.low, number);
+    this.high = Math.max(this.high, number);
+    if (text !== undefined && !Number.isFinite(Number(text))) this.isOfNumbers = false;
+  }
+
+  /** Its number at a time; none before the first. */
+  at(time) {
+    let low = 0;
+    let high = this.points.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.points[middle][0] <= time) low = middle + 1;
+      else high = middle;
+    }
+    return low ? this.points[low - 1][1] : null;
+  }
+}
+
 /** The children of each task, in the order of beginning; under `undefined` those without a living parent. */
 export function childrenOf(state) {
   const children = new Map();
@@ -221,24 +312,24 @@ export function standing(task, time) {
 }
 
 /** Why a task stands as it does: lines with a depth, down to what nobody waits behind. */
-export function why(state, id, depth = 0, said = new Set(), lines = []) {
+export function why(run, state, id, depth = 0, said = new Set(), lines = []) {
   const task = state.tasks.get(id);
   if (!task || depth > 8 || lines.length > 60) return lines;
-  const say = (text, more = 0, of = undefined) => lines.push({ depth: depth + more, text, of });
-  say(`${task.path}${task.calls ?? ""} ${standing(task, state.time)}`, 0, id);
+  const say = (text, more = 0, of = undefined) => lines.push({ depth: depth + more, text, of: of?.id, path: of?.path });
+  say(`${run.nodes.taskName(task)} ${standing(task, state.time)}`, 0, task);
   if (said.has(id)) return lines;
   said.add(id);
   if (task.at) say(`at ${task.at}`, 1);
   const read = (reading, more) => {
     const now = state.fluents.get(reading.fluent);
-    const since = now ? `, since ${seconds(now.time)}, by ${now.by}` : "";
+    const since = now ? `, since ${seconds(now.time)}, by ${run.nodes.nameOf(now.by)}` : "";
     say(`${reading.fluent} = ${now?.value ?? reading.value}${since}`, more);
     (reading.from ?? []).forEach((inner) => read(inner, more + 1));
   };
   (task.reads ?? []).filter((reading) => !reading.fluent.startsWith("%")).forEach((reading) => read(reading, 1));
   const follow = (other, words) => {
     say(words, 1);
-    why(state, other, depth + 2, said, lines);
+    why(run, state, other, depth + 2, said, lines);
   };
   if (task.state === "suspended") {
     for (const by of task.by ?? []) if (state.tasks.has(by)) follow(by, "it is suspended by");
@@ -253,7 +344,7 @@ export function why(state, id, depth = 0, said = new Set(), lines = []) {
   for (const holder of valve ? valve.holders : []) if (holder !== id) follow(holder, "the valve is held by");
   if (task.on === "children") {
     for (const child of state.tasks.values()) {
-      if (child.parent === id && lines.length < 40) why(state, child.id, depth + 1, said, lines);
+      if (child.parent === id && lines.length < 40) why(run, state, child.id, depth + 1, said, lines);
     }
   }
   return lines;

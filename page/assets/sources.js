@@ -2,6 +2,9 @@
 
 import { Run } from "rpl/run";
 
+/** The layout of head and lines that this page knows. */
+const LAYOUT = 2;
+
 /** How long to wait before a server that is gone is asked again. */
 const AGAIN_MS = 700;
 
@@ -11,7 +14,9 @@ export async function inflated(text) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   const whole = await new Response(stream).text();
   const end = whole.indexOf("\n");
-  const run = new Run(JSON.parse(whole.slice(0, end)));
+  const head = JSON.parse(whole.slice(0, end));
+  if (head.series !== LAYOUT) throw new Error(`this report was written by rpl ${head.rpl}; it can only be opened by itself`);
+  const run = new Run(head);
   run.add(whole.slice(end + 1));
   run.isOver = true;
   return run;

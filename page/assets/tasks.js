@@ -1,6 +1,7 @@
 // The tree of living tasks: how each stands, and what it waits for; and why, for the one that is chosen.
 
 import { element, rows, say, set } from "rpl/elements";
+import { callName, isWithin } from "rpl/nodes";
 import { childrenOf, seconds, standing, why } from "rpl/run";
 
 /** More rows nobody reads. */
@@ -38,9 +39,12 @@ export class TasksView {
     const stack = [...(children.get(undefined) ?? [])].reverse().map((task) => [task, 0]);
     while (stack.length) {
       const [task, depth] = stack.pop();
-      if (list.length < MOST_ROWS) list.push({ task, depth });
-      else left++;
-      for (const child of [...(children.get(task.id) ?? [])].reverse()) stack.push([child, depth + 1]);
+      const below = children.get(task.id) ?? [];
+      // A part of a construct that only waits for its own parts has nothing to tell.
+      const isShown = !(task.on === "children" && below.length && this.run.nodes.isNameless(task));
+      if (isShown && list.length < MOST_ROWS) list.push({ task, depth });
+      else if (isShown) left++;
+      for (const child of [...below].reverse()) stack.push([child, isShown ? depth + 1 : depth]);
     }
     rows(this.tree, list, ({ task }) => task.id, (item) => this.makeRow(item), (row, item) => this.update(row, item, state));
     this.more.hidden = left === 0;
@@ -55,17 +59,18 @@ export class TasksView {
   }
 
   update(row, { task, depth }, state) {
-    const parent = state.tasks.get(task.parent);
-    const own = parent ? task.path.slice(parent.path.length + (task.path.startsWith(parent.path) ? 1 : 0)) : task.path;
     const words = standing(task, state.time);
     set(row, "class", task.state);
     set(row, "aria-level", depth + 1);
     set(row, "aria-selected", task.id === this.chosen);
     row.style.setProperty("--depth", Math.min(depth, 12));
     say(row.children[0], SIGNS[task.state]);
-    say(row.children[1], own + (task.calls ?? ""));
-    say(row.children[2], words);
-    set(row, "title", task.at ? `${words}\nat ${task.at}` : words);
+    const name = this.run.nodes.taskName(task);
+    say(row.children[1], name);
+    const around = task.calls?.at(-2);
+    const does = task.on === name && task.state === "waits" ? "waits" : words;
+    say(row.children[2], around ? `in ${callName(around)}, ${does}` : does);
+    set(row, "title", [pathOf(task), words, task.at && `at ${task.at}`].filter(Boolean).join("\n"));
   }
 
   pick(id) {
@@ -77,25 +82,34 @@ export class TasksView {
     this.reason.hidden = this.chosen === null;
     if (this.chosen === null) return;
     const close = element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.pick(this.chosen) }, "×");
-    const lines = state.tasks.has(this.chosen) ? why(state, this.chosen) : this.howItEnded(state);
+    const lines = state.tasks.has(this.chosen) ? why(this.run, state, this.chosen) : this.howItEnded(state);
     const words = JSON.stringify(lines);
     if (words === this.said) return;
     this.said = words;
-    this.reason.replaceChildren(close, element("h3", {}, "Why?"), element("ol", {}, ...lines.map(({ depth, text, of }) => {
-      const line = element("li", { class: of === undefined ? "" : "task" }, text);
+    this.reason.replaceChildren(close, element("h3", {}, "Why?"), element("ol", {}, ...lines.map(({ depth, text, of, path }) => {
+      const line = element("li", { class: of === undefined ? "" : "task", title: path, "data-path": path }, text);
       line.style.setProperty("--depth", depth);
       return line;
     })));
   }
 
   howItEnded(state) {
-    const bar = this.run.barOf.get(this.chosen);
-    if (!bar) return [];
-    if (bar.from > state.time) return [{ depth: 0, text: `${bar.path} begins at ${seconds(bar.from)}` }];
-    const failed = this.run.told.findLast((one) => one.kind === "failure" && one.time <= bar.to && one.task.startsWith(bar.path));
-    const lines = [{ depth: 0, text: `${bar.path} ${bar.state} at ${seconds(bar.to ?? state.time)}` }];
-    if (bar.result) lines.push({ depth: 1, text: bar.result });
-    if (bar.state === "failed" && failed) lines.push({ depth: 1, text: `raised in ${failed.task} at ${seconds(failed.time)}: ${failed.text}` });
+    const { nodes } = this.run;
+    const node = nodes.ofTask.get(this.chosen);
+    if (!node) return [];
+    const name = nodes.label(node);
+    if (node.from > state.time) return [{ depth: 0, text: `${name} begins at ${seconds(node.from)}`, path: node.path }];
+    const lines = [{ depth: 0, text: `${name} ${node.state} at ${seconds(node.to ?? state.time)}`, of: node.task, path: node.path }];
+    if (node.result) lines.push({ depth: 1, text: node.result });
+    if (node.state === "failed") {
+      const failed = this.run.told.findLast((one) => one.kind === "failure" && one.time <= node.to && isWithin(one.task, node.path));
+      if (failed) lines.push({ depth: 1, text: `raised in ${nodes.nameOf(failed.task)} at ${seconds(failed.time)}: ${failed.text}`, path: failed.task });
+    }
     return lines;
   }
+}
+
+/** Where a task is: its path with the plan calls it is in. */
+function pathOf(task) {
+  return [task.path, ...(task.calls ?? []).map(([segment]) => segment)].join("/");
 }

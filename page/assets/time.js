@@ -3,9 +3,20 @@
 import { drawn, element, set } from "rpl/elements";
 import { clock, seconds } from "rpl/run";
 
-/** So many tasks have a bar: those that took longest. */
+/** No more tasks and plan calls have a bar than this: those that took longest. */
 const MOST_BARS = 18;
-const LANES = { print: 0, log: 0, notice: 1, robot: 1, failure: 2 };
+
+/** Height of a bar with its gap, in pixels. */
+const BAR = 16;
+
+/** Room that a time on the ruler takes at most, in pixels. */
+const MARK = 52;
+
+/** Room that a letter of a bar takes at most, in pixels. */
+const LETTER = 7;
+
+/** Which of the three lines of marks each kind of message is in. */
+const LANES = { print: 0, log: 0, notice: 1, robot: 1, failure: 2, end: 2 };
 
 export class TimeLine {
   constructor(runs, goTo, choose) {
@@ -47,7 +58,7 @@ export class TimeLine {
       .find((step) => (step * 1e6 / this.end) * width >= 70) ?? 86400;
     const marks = [];
     for (let at = 0; at * 1e6 <= this.end && marks.length < 100; at += step) {
-      const mark = element("span", {}, clock(at * 1e6 + 0.5).replace(/\.0$/, ""));
+      const mark = element("span", {}, (1 - (at * 1e6) / this.end) * width > MARK ? clock(at * 1e6 + 0.5).replace(/\.0$/, "") : "");
       mark.style.left = `${(at * 1e8) / this.end}%`;
       marks.push(mark);
     }
@@ -70,7 +81,8 @@ class Track {
     this.choose = choose;
     this.told = element("canvas", { class: "told", "aria-hidden": "true" });
     this.bars = drawn("svg", { class: "bars", role: "list", "aria-label": "Tasks over time" });
-    this.name = element("span", { class: "track-name" }, isNamed ? `${run.head.plan}, seed ${run.head.seed}` : "");
+    this.name = element("span", { class: "track-name" }, `${run.head.plan}, seed ${run.head.seed}`);
+    this.name.hidden = !isNamed;
     this.node = element("div", { class: "track" }, this.name, this.told, this.bars);
   }
 
@@ -90,7 +102,9 @@ class Track {
     }));
     this.name.className = "track-name";
     const drawn = new Set();
-    for (const { time, kind } of this.run.told) {
+    for (const one of this.run.told) {
+      const { time } = one;
+      const kind = one.endsAt ? "end" : one.kind;
       const x = Math.round((time / end) * (width - 2));
       const key = x * 8 + LANES[kind];
       if (drawn.has(key)) continue;
@@ -103,30 +117,32 @@ class Track {
   drawBars(end, width) {
     const now = this.run.end;
     const length = (bar) => (bar.to ?? now) - bar.from;
-    const shown = this.run.bars.length <= MOST_BARS ? [...this.run.bars] : longest(this.run.bars, length, MOST_BARS);
-    shown.sort((one, other) => one.id - other.id);
+    const { nodes } = this.run;
+    const shown = longest(nodes.all.filter((node) => node.name || (node.isOfPlan && !node.children.length)), length, MOST_BARS);
+    shown.sort((one, other) => one.number - other.number);
     const rows = [];
-    const nodes = shown.map((bar) => {
+    const drawnBars = shown.map((bar) => {
       // A row is taken again when the task in it has ended.
       let row = rows.findIndex((until) => until <= bar.from);
       if (row < 0) row = rows.length;
       rows[row] = bar.to ?? now;
       const x = (bar.from / end) * width;
       const wide = Math.max(2, (length(bar) / end) * width);
-      const words = `${bar.path}: ${bar.to === null ? "goes on" : bar.state}, ${seconds(bar.from)} to ${seconds(bar.to ?? now)}`;
-      const node = drawn("g", { class: `bar ${bar.state ?? "alive"}`, role: "listitem", "aria-label": words, "data-path": bar.path, onclick: () => this.choose(this.run, bar) },
-        drawn("rect", { x: x.toFixed(1), y: row * 11 + 1, width: wide.toFixed(1), height: 9, rx: 1.5 }), drawn("title", {}, words));
-      const name = [bar.path.slice(bar.path.lastIndexOf("/") + 1), bar.call].filter(Boolean).join(" ");
-      if (wide > name.length * 5 + 6) node.append(drawn("text", { x: (x + 4).toFixed(1), y: row * 11 + 8.6 }, name));
+      const name = nodes.label(bar);
+      const words = `${name}: ${bar.to === null ? "goes on" : bar.state}, ${seconds(bar.from)} to ${seconds(bar.to ?? now)}`;
+      const node = drawn("g", { class: `bar ${nodes.howEnded(bar)}`, role: "listitem", "aria-label": words, "data-path": bar.path, onclick: () => this.choose(this.run, bar) },
+        drawn("rect", { x: x.toFixed(1), y: row * BAR + 1, width: wide.toFixed(1), height: BAR - 2, rx: 1.5 }), drawn("title", {}, `${words}\n${bar.path}`));
+      const fits = Math.floor((wide - 8) / LETTER);
+      if (fits > 3) node.append(drawn("text", { x: (x + 4).toFixed(1), y: row * BAR + 12 }, name.length > fits ? `${name.slice(0, fits - 1)}…` : name));
       return node;
     });
-    this.bars.replaceChildren(...nodes);
-    const height = Math.max(1, rows.length) * 11 + 2;
+    this.bars.replaceChildren(...drawnBars);
+    const height = Math.max(1, rows.length) * BAR + 2;
     set(this.bars, "viewBox", `0 0 ${Math.max(1, width)} ${height}`);
     set(this.bars, "height", height);
   }
 }
 
 function longest(bars, length, count) {
-  return [...bars].sort((one, other) => length(other) - length(one)).slice(0, count);
+  return bars.length <= count ? bars : bars.sort((one, other) => length(other) - length(one)).slice(0, count);
 }

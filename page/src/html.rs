@@ -7,8 +7,11 @@ const PAGE: &str = include_str!("../assets/page.html");
 const STYLE: &str = include_str!("../assets/page.css");
 
 /// The modules of the page, by the names they import each other by.
-const MODULES: [(&str, &str); 9] = [
+const MODULES: [(&str, &str); 12] = [
     ("rpl/run", include_str!("../assets/run.js")),
+    ("rpl/nodes", include_str!("../assets/nodes.js")),
+    ("rpl/tree", include_str!("../assets/tree.js")),
+    ("rpl/compare", include_str!("../assets/compare.js")),
     ("rpl/elements", include_str!("../assets/elements.js")),
     ("rpl/map", include_str!("../assets/map.js")),
     ("rpl/plan", include_str!("../assets/plan.js")),

@@ -1,12 +1,13 @@
 //! A run as one file: the page with the run in it, compressed, which opens without a server and without a network.
 
 use crate::html::{self, Source};
-use crate::series::Series;
+use crate::series::{Series, VERSION};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
+use serde::Deserialize;
 use std::io::{self, Read, Write};
 use thiserror::Error;
 
@@ -26,6 +27,16 @@ pub enum ReportError {
     /// It was changed or cut off.
     #[error("the run in it is damaged: {0}")]
     Damaged(String),
+    /// Its run is written in another layout.
+    #[error("it was written by rpl {0}, which writes runs in another way; a browser opens it by itself")]
+    Layout(String),
+}
+
+/// What the head of a run says of how it is written.
+#[derive(Deserialize)]
+struct Layout {
+    series: u32,
+    rpl: String,
 }
 
 /// The page with runs in it, next to each other. Cost: compressing them.
@@ -62,6 +73,10 @@ pub fn run_in(report: &str) -> Result<Series, ReportError> {
     let lines = bytes.split_off(end + 1);
     bytes.pop();
     let head = String::from_utf8(bytes).map_err(|why| damaged(&why))?;
+    let layout: Layout = serde_json::from_str(&head).map_err(|why| damaged(&why))?;
+    if layout.series != VERSION {
+        return Err(ReportError::Layout(layout.rpl));
+    }
     Ok(Series::written(head, lines))
 }
 
@@ -71,7 +86,7 @@ mod tests {
     use crate::series::{Head, Seen, SeriesWriter};
 
     fn run() -> Series {
-        let mut run = Series::new(&Head { plan: "</script> \"q\"".into(), ..Head::default() });
+        let mut run = Series::new(&Head { series: VERSION, plan: "</script> \"q\"".into(), ..Head::default() });
         let mut writer = SeriesWriter::default();
         (0..1000).for_each(|at| run.add(&writer.lines(at * 1000, [Seen::Targets(vec![[at as i32, 0]])])));
         run
@@ -94,6 +109,13 @@ mod tests {
             let found = report.find(outside).map(|at| &report[at..(at + 60).min(report.len())]);
             assert!(found.is_none_or(|text| text.starts_with("http://www.w3.org/")), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_report_of_another_layout_says_which_rpl_has_written_it() {
+        let older = Series::new(&Head { series: VERSION - 1, rpl: "0.1.0".into(), ..Head::default() });
+        let report = report("an older run", &[&older]).expect("it is written");
+        assert!(matches!(run_in(&report), Err(ReportError::Layout(rpl)) if rpl == "0.1.0"));
     }
 
     #[test]

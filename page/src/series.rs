@@ -10,7 +10,7 @@ use crate::place::{Pose, Spot};
 use serde::Serialize;
 
 /// The layout of head and lines.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// The lines of a series are no longer than this, some hundred hours of a robot. What comes later is not seen, and the page
 /// says so.
@@ -27,6 +27,9 @@ pub struct Head {
     pub plan: String,
     /// Of every random stream.
     pub seed: u64,
+    /// The scenario, by name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
     /// Where it runs, if there is a robot.
     pub map: Option<DrawnMap>,
     /// The robot, if there is one.
@@ -57,6 +60,8 @@ pub struct DrawnMap {
     pub size: Spot,
     /// Outlines of what stands there.
     pub solids: Vec<DrawnSolid>,
+    /// Its doors.
+    pub doors: Vec<DrawnDoor>,
     /// Rooms: name, and where the name stands.
     pub rooms: Vec<(String, Spot)>,
     /// Places: name, and where.
@@ -73,6 +78,20 @@ pub struct DrawnSolid {
     /// Of a disc.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<i32>,
+    /// What it is called, if it is not in the robot's map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+}
+
+/// A door.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrawnDoor {
+    /// The room it belongs to.
+    pub room: String,
+    /// Its two jambs, between which its leaf stands when it is closed.
+    pub jambs: [Spot; 2],
+    /// Whether it is open at the start: really, if where the robot really is is seen, else in the robot's map.
+    pub open: bool,
 }
 
 /// Kinds of what stands in a world.
@@ -81,8 +100,6 @@ pub struct DrawnSolid {
 pub enum SolidKind {
     /// Part of the building.
     Wall,
-    /// A door that is closed.
-    Door,
     /// Furniture.
     Object,
     /// What is there and not in the robot's map.
@@ -92,6 +109,8 @@ pub enum SolidKind {
 /// A robot as it is drawn.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DrawnRobot {
+    /// Its name.
+    pub name: String,
     /// Of its disc.
     pub radius: i32,
     /// Where each range reading is measured from, and in which direction, in the robot's frame.
@@ -128,6 +147,12 @@ pub enum Seen {
     Obstacles(Vec<i32>),
     /// Where it may be.
     Belief(crate::belief::DrawnBelief),
+    /// Numbers of the doors that are closed: really, if that is to be seen, else as far as the robot knows.
+    Closed(Vec<usize>),
+    /// What stands there and is not in the robot's map.
+    Things(Vec<DrawnSolid>),
+    /// People: x and y of one after the other, in centimetres.
+    People(Vec<i32>),
     /// The series is full.
     Full(bool),
 }
@@ -156,9 +181,12 @@ pub struct Task {
     pub parent: Option<usize>,
     /// The path it began with.
     pub path: String,
-    /// What follows that: the plan calls it is in.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub calls: String,
+    /// The plan calls it is in, the outermost first: the name in the path, and the arguments.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub calls: Vec<[String; 2]>,
+    /// How the call has ended that it was in before: `succeeded`, `failed`, `evaporated`, `left`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub returned: Option<String>,
     /// How it stands.
     pub state: TaskState,
     /// What it waits for.
@@ -236,6 +264,8 @@ pub enum ToldKind {
     Robot,
     /// A failure was raised.
     Failure,
+    /// A failure of the task, or of one below it, was handled.
+    Handled,
     /// Something about the plan that a person should know.
     Notice,
 }
@@ -262,6 +292,9 @@ pub struct Robot {
     /// Translation in mm/s, rotation in mrad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<[i32; 2]>,
+    /// Charge of its battery, in thousandths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub battery: Option<i32>,
     /// Where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<Pose>,
@@ -342,11 +375,11 @@ mod tests {
     #[test]
     fn a_line_is_a_time_and_what_has_changed() {
         let mut writer = SeriesWriter::default();
-        let robot = Robot { estimate: [1, -2, 3], certainty: 990, speed: None, truth: None };
+        let robot = Robot { estimate: [1, -2, 3], certainty: 990, speed: None, battery: Some(500), truth: None };
         let cups = Fluent { name: "cups".into(), value: Some("1".into()), by: "main".into() };
         assert_eq!(
             writer.lines(200_000, [Seen::Robot(robot), Seen::Fluent(cups)]),
-            "[200000,{\"robot\":{\"estimate\":[1,-2,3],\"certainty\":990}}]\n\
+            "[200000,{\"robot\":{\"estimate\":[1,-2,3],\"certainty\":990,\"battery\":500}}]\n\
              [200000,{\"fluent\":{\"name\":\"cups\",\"value\":\"1\",\"by\":\"main\"}}]\n"
         );
     }

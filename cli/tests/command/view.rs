@@ -104,6 +104,53 @@ fn the_truth_is_seen_if_it_is_asked_for() {
 }
 
 #[test]
+fn people_and_what_no_map_has_are_seen_with_the_truth_alone() {
+    let folder = folder("view-people");
+    put(&folder, "stay.rpl", "(wait-time 3)\n");
+    put(&folder, "closes.rpl", "(wait-time 1) (close-door! 'b) (add-object! 'crate 13.0 9.5 13.6 10.1)\n");
+    let run = |name: &str, more: &[&str]| {
+        let arguments = ["run", "stay.rpl", "-q", "--world", "dept-furnished", "--scenario", "closes.rpl"];
+        let found = run_in(&folder, &[&arguments[..], &["--report", name], more].concat());
+        assert_eq!(found.status, 0, "{}", found.errors);
+        seen(&folder, name)
+    };
+    let (head, lines) = run("truth.html", &["--truth"]);
+    assert!(
+        of_kind(&lines, "people").iter().all(|(_, people)| people.as_array().map(Vec::len) == Some(8)),
+        "four people"
+    );
+    let names = |things: &Value| {
+        let things = things.as_array().into_iter().flatten();
+        things.filter_map(|thing| Some(thing["name"].as_str()?.to_string())).collect::<Vec<_>>()
+    };
+    let things = of_kind(&lines, "things");
+    assert!(!names(things[0].1).contains(&"crate".into()) && names(things[1].1).contains(&"crate".into()));
+    let closed = of_kind(&lines, "closed");
+    let rooms = |closed: &Value| {
+        let numbers = closed.as_array().into_iter().flatten().filter_map(Value::as_u64);
+        numbers.map(|number| head["map"]["doors"][number as usize]["room"].to_string()).collect::<Vec<_>>()
+    };
+    assert!(!rooms(closed[0].1).contains(&"\"B\"".into()) && rooms(closed[1].1).contains(&"\"B\"".into()));
+    let (head, lines) = run("map.html", &[]);
+    assert!(of_kind(&lines, "people").is_empty() && of_kind(&lines, "things").is_empty());
+    assert_eq!(of_kind(&lines, "closed").len(), 1, "the robot has not seen the door close");
+    let solids = head["map"]["solids"].as_array().expect("there are walls");
+    assert!(solids.iter().all(|solid| solid["kind"] != "unmapped"));
+}
+
+#[test]
+fn battery_and_speed_are_seen_in_a_trace_with_poses() {
+    let folder = folder("view-battery");
+    put(&folder, "drive.rpl", DRIVE);
+    run_in(&folder, &[&["run", "drive.rpl", "-q", "--trace", "t.jsonl", "--trace-poses", "5"], &SITE[..]].concat());
+    run_in(&folder, &["view", "t.jsonl", "--report", "t.html"]);
+    let (_, lines) = seen(&folder, "t.html");
+    let robots = of_kind(&lines, "robot");
+    assert!(robots.iter().skip(1).all(|(_, robot)| robot["battery"].is_u64() && robot["speed"].is_array()));
+    assert!(robots.iter().any(|(_, robot)| robot["speed"][0].as_i64() > Some(50)), "it drove");
+}
+
+#[test]
 fn a_trace_a_report_and_a_journal_are_seen_alike() {
     let folder = folder("view-past");
     put(&folder, "drive.rpl", DRIVE);

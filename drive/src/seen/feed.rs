@@ -100,6 +100,7 @@ fn fluent(event: &Event) -> Option<Seen> {
 fn failure_or_notice(event: &Event) -> Option<Seen> {
     let (kind, text) = match event.kind {
         EventKind::Failed => (ToldKind::Failure, detail(event, "failure")),
+        EventKind::Handled => (ToldKind::Handled, ""),
         EventKind::Warning => (ToldKind::Notice, detail(event, "text")),
         EventKind::Swapped => (ToldKind::Notice, "has another plan"),
         EventKind::Decided => (ToldKind::Notice, detail(event, "what")),

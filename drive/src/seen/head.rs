@@ -4,11 +4,12 @@ use super::measures::{mm, mrad, spot};
 use crate::trace::Header;
 use rpl_lang::code::Program;
 use rpl_lang::source::SourceId;
-use rpl_page::series::{DrawnMap, DrawnRobot, DrawnSolid, Head, SolidKind, Text, VERSION};
+use rpl_page::series::{DrawnDoor, DrawnMap, DrawnRobot, DrawnSolid, Head, SolidKind, Text, VERSION};
 use rpl_robot::avoidance::{DriveLimits, WINDOW_S};
+use rpl_robot::description::RobotDescription;
 use rpl_robot::geometry::Point;
 use rpl_robot::sensors::RangeSensors;
-use rpl_robot::world::{Outline, SolidOrigin, World};
+use rpl_robot::world::{Door, Outline, SolidOrigin, World};
 use std::f64::consts::TAU;
 
 /// More rays than this are one picture with as many.
@@ -30,8 +31,11 @@ pub fn head(
         rpl: run.rpl.clone().unwrap_or_default(),
         plan: run.plan.clone(),
         seed: run.seed,
+        scenario: run.scenario.clone(),
         map: world.map(|world| drawn_map(world, truth)),
-        robot: robot.map(|(sensors, limits)| drawn_robot(sensors, limits)),
+        robot: robot.map(|(sensors, limits)| {
+            drawn_robot(run.robot.as_deref().unwrap_or(RobotDescription::PAPERS), sensors, limits)
+        }),
         texts,
         truth,
     }
@@ -60,37 +64,54 @@ pub fn plan_texts(program: &Program) -> Vec<Text> {
 fn drawn_map(world: &World, truth: bool) -> DrawnMap {
     let kind = |origin| match origin {
         SolidOrigin::Wall => Some(SolidKind::Wall),
-        SolidOrigin::Door(door) => (!world.doors[door].mapped_open).then_some(SolidKind::Door),
+        SolidOrigin::Door(_) => None,
         SolidOrigin::Object(object) if world.objects[object].mapped => Some(SolidKind::Object),
         SolidOrigin::Object(_) => truth.then_some(SolidKind::Unmapped),
     };
     let solids = world.solids();
-    let drawn = solids.iter().filter_map(|solid| Some(drawn_solid(&solid.outline, kind(solid.origin)?)));
+    let name = |origin| match origin {
+        SolidOrigin::Object(object) if !world.objects[object].mapped => Some(world.objects[object].name.clone()),
+        SolidOrigin::Wall | SolidOrigin::Door(_) | SolidOrigin::Object(_) => None,
+    };
+    let drawn =
+        solids.iter().filter_map(|solid| Some(drawn_solid(&solid.outline, kind(solid.origin)?, name(solid.origin))));
     let bounds = world.bounds();
     DrawnMap {
         name: world.name.clone(),
         corner: spot(bounds.min),
         size: [mm(world.size_m.x), mm(world.size_m.y)],
         solids: drawn.collect(),
+        doors: world.doors.iter().map(|door| drawn_door(door, truth)).collect(),
         rooms: world.rooms.iter().map(|room| (room.name.clone(), spot(room.rect.centre()))).collect(),
         places: world.places.iter().map(|place| (place.name.clone(), spot(place.pose_in_map.point()))).collect(),
     }
 }
 
-fn drawn_solid(outline: &Outline, kind: SolidKind) -> DrawnSolid {
+/// An outline as it is drawn.
+pub(super) fn drawn_solid(outline: &Outline, kind: SolidKind, name: Option<String>) -> DrawnSolid {
     match outline {
         Outline::Polygon(corners) => {
-            DrawnSolid { kind, outline: corners.iter().copied().map(spot).collect(), radius: None }
+            DrawnSolid { kind, outline: corners.iter().copied().map(spot).collect(), radius: None, name }
         }
         Outline::Disc { centre, radius_m } => {
-            DrawnSolid { kind, outline: vec![spot(*centre)], radius: Some(mm(*radius_m)) }
+            DrawnSolid { kind, outline: vec![spot(*centre)], radius: Some(mm(*radius_m)), name }
         }
     }
 }
 
-fn drawn_robot(sensors: &RangeSensors, limits: &DriveLimits) -> DrawnRobot {
+fn drawn_door(door: &Door, truth: bool) -> DrawnDoor {
+    let half = door.along() * (door.width_m / 2.0);
+    DrawnDoor {
+        room: door.room.clone(),
+        jambs: [spot(door.at - half), spot(door.at + half)],
+        open: if truth { door.open } else { door.mapped_open },
+    }
+}
+
+fn drawn_robot(name: &str, sensors: &RangeSensors, limits: &DriveLimits) -> DrawnRobot {
     let gained_mps = limits.translation_acceleration_mps2.max(limits.translation_deceleration_mps2) * WINDOW_S;
     DrawnRobot {
+        name: name.to_string(),
         radius: mm(limits.robot_radius_m),
         rays: rays(sensors),
         range: mm(range_m(sensors)),

@@ -3,13 +3,16 @@
 //! What takes much room is shown as often as room comes in, some for each second of the plan, and more in advance: a
 //! robot that is lost for a while is seen well, and one that is lost for hours does not fill its report.
 
-use super::head::sectors;
+use super::head::{drawn_solid, sectors};
 use super::measures::{mm, mrad, pose, spot};
 use rpl_mission::robot::Robot;
 use rpl_mission::sight::Sight;
 use rpl_page::belief::{DrawnBelief, PositionGrid};
 use rpl_page::place::Spot;
-use rpl_page::series::{self, Seen};
+use rpl_page::series::{self, DrawnSolid, Seen, SolidKind};
+use rpl_robot::office::Navigating;
+use rpl_robot::simulator::SimulatorState;
+use rpl_robot::world::World;
 
 /// How often the robot is shown, its rays, and where it may be.
 const ROBOT_EVERY_US: u64 = 200_000;
@@ -19,16 +22,19 @@ const BELIEF_EVERY_US: u64 = 1_000_000;
 /// Remembered obstacles are drawn on a grid of this.
 const OBSTACLE_CM: i32 = 10;
 
-/// The most bytes that a belief and the obstacles take for each second, and in advance.
+/// The most bytes that a belief, people and the obstacles take for each second, and in advance.
 const BELIEF_ROOM: Room = Room { bytes_per_s: 250, most_bytes: 400_000, left_bytes: 400_000, at_us: 0 };
+const PEOPLE_ROOM: Room = Room { bytes_per_s: 60, most_bytes: 20_000, left_bytes: 20_000, at_us: 0 };
 const OBSTACLE_ROOM: Room = Room { bytes_per_s: 120, most_bytes: 20_000, left_bytes: 20_000, at_us: 0 };
 
 /// Where the robot is said to be, as the page has it; where it really is only if that is to be seen.
-pub fn drawn_sight(sight: &Sight, speed: Option<[i32; 2]>, truth: bool) -> series::Robot {
+pub fn drawn_sight(sight: &Sight, truth: bool) -> series::Robot {
+    let thousandths = |share: f64| (share * 1000.0).round() as i32;
     series::Robot {
         estimate: pose(sight.estimate_in_map),
-        certainty: (sight.certainty * 1000.0).round() as i32,
-        speed,
+        certainty: thousandths(sight.certainty),
+        speed: sight.velocity.map(|velocity| [mm(velocity.translation_mps), mrad(velocity.rotation_radps)]),
+        battery: sight.battery.map(thousandths),
         truth: sight.robot_in_map.filter(|_| truth).map(pose),
     }
 }
@@ -67,6 +73,10 @@ pub struct RobotView {
     targets: Vec<Spot>,
     obstacles: Vec<i32>,
     belief: Option<DrawnBelief>,
+    closed: Option<Vec<usize>>,
+    things: Option<Vec<DrawnSolid>>,
+    people: Vec<i32>,
+    people_room: Room,
     belief_room: Room,
     obstacle_room: Room,
 }
@@ -84,6 +94,10 @@ impl RobotView {
             targets: Vec::new(),
             obstacles: Vec::new(),
             belief: None,
+            closed: None,
+            things: None,
+            people: Vec::new(),
+            people_room: PEOPLE_ROOM,
             belief_room: BELIEF_ROOM,
             obstacle_room: OBSTACLE_ROOM,
         }
@@ -97,12 +111,12 @@ impl RobotView {
             return seen;
         }
         self.robot_due_us = now_us + ROBOT_EVERY_US;
-        let speed = robot.percept().map(|percept| [mm(percept.translation_mps), mrad(percept.rotation_radps)]);
-        self.note_robot(drawn_sight(sight, speed, self.truth), &mut seen);
+        self.note_robot(drawn_sight(sight, self.truth), &mut seen);
         if now_us >= self.rays_due_us {
             self.rays_due_us = now_us + RAYS_EVERY_US;
             changed(&mut self.ranges, ranges(robot), Seen::Ranges, &mut seen);
             self.look_at_ways(now_us, sight, robot, &mut seen);
+            self.look_around(now_us, robot, &mut seen);
         }
         if now_us >= self.belief_due_us {
             self.belief_due_us = now_us + BELIEF_EVERY_US;
@@ -114,7 +128,7 @@ impl RobotView {
     /// Takes in where a robot was said to be that is not there to be looked at.
     pub fn note(&mut self, sight: &Sight) -> Vec<Seen> {
         let mut seen = Vec::new();
-        self.note_robot(drawn_sight(sight, None, self.truth), &mut seen);
+        self.note_robot(drawn_sight(sight, self.truth), &mut seen);
         seen
     }
 
@@ -148,6 +162,24 @@ impl RobotView {
         }
     }
 
+    /// The doors that are closed; with the truth also people, and what the robot's map does not have.
+    fn look_around(&mut self, now_us: u64, robot: &mut Robot, seen: &mut Vec<Seen>) {
+        if let Some((world, state)) = robot.simulated_world().filter(|_| self.truth) {
+            newly(&mut self.closed, closed_doors(&state.doors_open), Seen::Closed, seen);
+            newly(&mut self.things, things(world, state), Seen::Things, seen);
+            let people = state.people.iter().flat_map(|person| [cm(person.at_in_map.x), cm(person.at_in_map.y)]);
+            let people = people.collect::<Vec<i32>>();
+            if people != self.people && self.people_room.takes(now_us, 5 * people.len()) {
+                changed(&mut self.people, people, Seen::People, seen);
+            }
+        } else if let Some(model) = robot.model().cloned() {
+            let found = robot.navigation().map_or(Vec::new(), Navigating::closed_doors);
+            let doors = model.world.doors.iter().enumerate();
+            let open: Vec<bool> = doors.map(|(number, door)| door.mapped_open && !found.contains(&number)).collect();
+            newly(&mut self.closed, closed_doors(&open), Seen::Closed, seen);
+        }
+    }
+
     fn look_at_belief(&mut self, now_us: u64, robot: &Robot, seen: &mut Vec<Seen>) {
         let Some(belief) = robot.belief() else { return };
         let drawn = DrawnBelief::of(PositionGrid {
@@ -160,6 +192,31 @@ impl RobotView {
             seen.push(Seen::Belief(drawn.clone()));
             self.belief = Some(drawn);
         }
+    }
+}
+
+/// Centimetres.
+fn cm(length_m: f64) -> i32 {
+    (length_m * 100.0).round() as i32
+}
+
+fn closed_doors(open: &[bool]) -> Vec<usize> {
+    open.iter().enumerate().filter(|(_, is_open)| !**is_open).map(|(number, _)| number).collect()
+}
+
+/// What stands in a world and is not in the robot's map.
+fn things(world: &World, state: &SimulatorState) -> Vec<DrawnSolid> {
+    let of_world = world.objects.iter().zip(&state.objects_removed);
+    let left = of_world.filter(|(object, is_removed)| !object.mapped && !**is_removed).map(|(object, _)| object);
+    let all = left.chain(&state.objects_added);
+    all.map(|object| drawn_solid(&object.outline(), SolidKind::Unmapped, Some(object.name.clone()))).collect()
+}
+
+/// Tells of something that is different now, or was not told yet.
+fn newly<T: PartialEq + Clone>(known: &mut Option<T>, now: T, tell: impl Fn(T) -> Seen, seen: &mut Vec<Seen>) {
+    if known.as_ref() != Some(&now) {
+        *known = Some(now.clone());
+        seen.push(tell(now));
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tasks and valves in the words of the page, and what an event changes of them.
 
+use crate::events::detail;
 use crate::show::situation::{Situation, Standing, ValveStanding};
 use rpl_page::series::{Ended, Reading, Seen, Task, TaskState, Valve};
 use rpl_runtime::state::trace::{Event, EventKind};
@@ -9,6 +10,9 @@ use std::collections::BTreeMap;
 /// Values longer than this are cut.
 const LONGEST_VALUE: usize = 400;
 
+/// Arguments of a call longer than this are cut.
+const LONGEST_ARGUMENTS: usize = 60;
+
 /// Ended tasks that are remembered, for failures that are told after them.
 const MOST_PAST: usize = 2_000;
 
@@ -17,6 +21,8 @@ const MOST_PAST: usize = 2_000;
 pub struct TaskView {
     situation: Situation,
     valves: BTreeMap<String, Valve>,
+    /// The arguments of each plan call that a living task is in, by the path of the call.
+    calls: BTreeMap<String, Vec<(String, String)>>,
 }
 
 impl TaskView {
@@ -27,6 +33,7 @@ impl TaskView {
             .flatten();
         self.situation.add(event);
         self.situation.forget_past(MOST_PAST);
+        self.note_call(event);
         let mut seen = Vec::new();
         if matches!(event.kind, EventKind::Valve | EventKind::End) {
             self.note_valves(&mut seen);
@@ -45,10 +52,46 @@ impl TaskView {
             | EventKind::Woken
             | EventKind::Swapped
             | EventKind::Suspended
-            | EventKind::Resumed => seen.extend(self.task(&event.path).map(Seen::Task)),
+            | EventKind::Resumed => {
+                let returned = (event.kind == EventKind::Return).then(|| detail(event, "state").to_string());
+                seen.extend(self.task(&event.path).map(|task| Seen::Task(Task { returned, ..task })));
+            }
             _ => {}
         }
         seen
+    }
+
+    /// Keeps the arguments of the calls that living tasks are in.
+    fn note_call(&mut self, event: &Event) {
+        match event.kind {
+            EventKind::End => drop(self.calls.remove(&event.path)),
+            EventKind::Call => {
+                if let Some(owner) = self.situation.owner(&event.path) {
+                    let call = (event.path.clone(), cut_to(detail(event, "arguments"), LONGEST_ARGUMENTS));
+                    self.calls.entry(owner).or_default().push(call);
+                }
+            }
+            EventKind::Return => {
+                if let Some(calls) = self.situation.owner(&event.path).and_then(|owner| self.calls.get_mut(&owner)) {
+                    calls.pop_if(|(path, _)| *path == event.path);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The plan calls that a task is in: names and arguments.
+    fn calls(&self, own: &str, standing: &Standing) -> Vec<[String; 2]> {
+        let known = self.calls.get(own).map_or(&[][..], Vec::as_slice);
+        let names = standing.path.strip_prefix(own).unwrap_or_default().split('/').skip(1);
+        let mut path = own.to_string();
+        names
+            .map(|name| {
+                path.extend(["/", name]);
+                let arguments = known.iter().find(|(call, _)| *call == path).map_or("", |(_, arguments)| arguments);
+                [name.to_string(), arguments.to_string()]
+            })
+            .collect()
     }
 
     fn number(&self, path: &str) -> Option<usize> {
@@ -63,7 +106,8 @@ impl TaskView {
         Some(Task {
             id: standing.number,
             parent: parent.and_then(|parent| self.number(&parent)),
-            calls: standing.path.strip_prefix(&own).unwrap_or_default().to_string(),
+            calls: self.calls(&own, standing),
+            returned: None,
             path: own,
             state: state(standing),
             on: standing.on.clone(),
@@ -110,7 +154,11 @@ fn reading(of: &FluentReading) -> Reading {
 
 /// The beginning of a long text.
 pub fn cut(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_VALUE) {
+    cut_to(text, LONGEST_VALUE)
+}
+
+fn cut_to(text: &str, characters: usize) -> String {
+    match text.char_indices().nth(characters) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_string(),
     }

@@ -77,8 +77,8 @@ struct DriveBegun {
 const TURNING_RADPS: f64 = 0.2;
 
 impl Navigating {
-    /// Doors found closed not long ago.
-    pub(in crate::office) fn closed_doors(&self) -> Vec<usize> {
+    /// Doors found closed not long ago, as indices into the world's doors.
+    pub fn closed_doors(&self) -> Vec<usize> {
         self.mapped.closed_doors()
     }
 
