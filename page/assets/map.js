@@ -108,6 +108,7 @@ export class MapView {
     for (const [name, [x, y]] of map.places) this.names.append(drawn("circle", { cx: x, cy: -y, r: 60, class: "place" }, drawn("title", {}, name)));
     this.called = [...map.places.map((place) => [...place, "place"]), ...map.rooms.map((room) => [...room, "room"])].slice(0, MOST_NAMES)
       .map(([name, [x, y], kind]) => ({ name, x, y: -y, node: this.names.appendChild(drawn("text", { x, y: -y, class: kind }, name)), kind }));
+    this.thingNames = [];
     this.clicks = layer("clicks");
     const radius = this.robot?.radius ?? 250;
     const disc = (kind) => drawn("g", { class: `robot ${kind}`, "data-kind": kind },
@@ -165,10 +166,10 @@ export class MapView {
     set(this.followTool, "aria-pressed", this.follows);
   }
 
-  /** Names that would lie on one another are left out, those of rooms before those of places. */
+  /** Of names that would lie on one another those of places are shown before those of rooms, and these before those of things. */
   layOutNames() {
     const taken = [];
-    for (const { name, x, y, node, kind } of this.called) {
+    for (const { name, x, y, node, kind } of [...this.called, ...this.thingNames]) {
       const half = (name.length * LETTER * this.perPixel) / 2;
       const height = NAME * 1.2 * this.perPixel;
       const at = kind === "place" ? y - 8 * this.perPixel : y;
@@ -328,11 +329,13 @@ export class MapView {
   showThings(things) {
     this.drawnThings = things;
     const there = things ?? this.map.solids.filter(({ kind }) => kind === "unmapped");
-    this.things.replaceChildren(...there.flatMap((thing) => {
-      const [x, y] = thing.outline.reduce(([x, y], [pointX, pointY]) => [x + pointX / thing.outline.length, y + pointY / thing.outline.length], [0, 0]);
-      return [drawn("path", { d: outlinePath(thing), "data-thing": thing.name }, drawn("title", {}, `${thing.name}, not in the map`)),
-        drawn("text", { x: x.toFixed(0), y: (-y).toFixed(0) }, thing.name)];
-    }));
+    this.thingNames = there.slice(0, MOST_NAMES).map(({ name, outline }) => {
+      const middle = (axis) => outline.reduce((sum, point) => sum + point[axis], 0) / outline.length;
+      return { name, x: middle(0), y: -middle(1), kind: "thing", node: drawn("text", { x: middle(0).toFixed(0) }, name) };
+    });
+    this.things.replaceChildren(...there.map((thing) => drawn("path", { d: outlinePath(thing), "data-thing": thing.name },
+      drawn("title", {}, `${thing.name}, not in the map`))), ...this.thingNames.map(({ node }) => node));
+    if (this.perPixel) this.layOutNames();
   }
 
   showPeople(people) {

@@ -106,12 +106,13 @@ function drawnCurve() {
     drawn("path", { class: "spark" }), drawn("path", { class: "here" }));
 }
 
-/** Draws a curve anew only when it has grown or is of another length. */
+/** Draws a curve anew only when that moves it by half a step of the picture: so a long run costs no more than a short one. */
 function drawCurve(row, svg, curve, time, end) {
   const [spark, here] = svg.children;
-  const key = `${curve.points.length} ${Math.round(end / 1e6)}`;
-  if (row.drawn !== key) {
-    row.drawn = key;
+  const { low, high } = curve;
+  const drawn = row.drawn;
+  if (!drawn || drawn.low !== low || drawn.high !== high || Math.abs(end - drawn.end) * 2 * WIDTH > end) {
+    row.drawn = { low, high, end };
     set(spark, "d", steps(curve, end));
   }
   const x = ((time / Math.max(1, end)) * WIDTH).toFixed(1);

@@ -17,7 +17,7 @@ export class TasksView {
     this.tree = element("ul", { class: "tree", role: "tree", "aria-label": "Tasks" });
     this.more = element("p", { class: "nothing", hidden: true });
     this.reason = element("div", { class: "why", role: "region", "aria-label": "Why", hidden: true });
-    this.node = element("div", { class: "tasks" }, this.tree, this.more, this.reason);
+    this.node = element("div", { class: "tasks" }, element("div", { class: "task-list" }, this.tree, this.more), this.reason);
     this.tree.addEventListener("keydown", (event) => this.key(event));
   }
 

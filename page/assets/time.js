@@ -118,7 +118,7 @@ class Track {
     const now = this.run.end;
     const length = (bar) => (bar.to ?? now) - bar.from;
     const { nodes } = this.run;
-    const shown = longest(nodes.all.filter((node) => node.name || (node.isOfPlan && !node.children.length)), length, MOST_BARS);
+    const shown = longest(nodes.all, (node) => node.name || (node.isOfPlan && !node.children.length), length, MOST_BARS);
     shown.sort((one, other) => one.number - other.number);
     const rows = [];
     const drawnBars = shown.map((bar) => {
@@ -143,6 +143,13 @@ class Track {
   }
 }
 
-function longest(bars, length, count) {
-  return bars.length <= count ? bars : bars.sort((one, other) => length(other) - length(one)).slice(0, count);
+/** The longest of those that are meant, in one pass: a run may have very many. */
+function longest(nodes, isMeant, length, count) {
+  const kept = [];
+  for (const node of nodes) {
+    if (!isMeant(node) || (kept.length === count && length(node) <= length(kept[count - 1]))) continue;
+    kept.splice(kept.length === count ? count - 1 : kept.length, 1, node);
+    kept.sort((one, other) => length(other) - length(one));
+  }
+  return kept;
 }

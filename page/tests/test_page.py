@@ -136,6 +136,8 @@ def test_why_follows_the_causes(browser, rpl, tmp_path):
     chain = texts(browser, ".why li")
     assert "wheels was taken from it by" in chain
     assert any(line.startswith("answer-the-door waits for time") for line in chain)
+    boxes = script(browser, "return ['.task-list', '.why'].map((css) => { const box = document.querySelector(css).getBoundingClientRect(); return [box.top, box.bottom]; })")
+    assert boxes[0][1] <= boxes[1][0], "the reason covers no task"
 
 
 def test_two_runs_stand_side_by_side(browser, served, rpl):
@@ -371,6 +373,8 @@ def test_no_text_is_small_nothing_overflows_and_nothing_is_covered(browser, repo
                   return other.left < map.right - 1 && other.right > map.left + 1 && other.top < map.bottom - 1 && other.bottom > map.top + 1;
                 })""")
             assert covered == [], (width, theme)
+            if width > 1000:
+                assert script(browser, "return document.querySelector('.run').getBoundingClientRect().bottom <= document.querySelector('.time').getBoundingClientRect().top")
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
@@ -393,7 +397,7 @@ def test_places_and_doors_are_drawn_and_what_is_not_in_the_map(browser, rpl, tmp
     until(browser, lambda: closed() == after - 1)
     assert len(browser.find_elements(By.CSS_SELECTOR, ".people circle")) == 4
     assert len(browser.find_elements(By.CSS_SELECTOR, ".things path")) > 3
-    drawn = script(browser, "return [...document.querySelectorAll('.names text')].filter((node) => node.getAttribute('display') !== 'none').map((node) => { const box = node.getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom]; })")
+    drawn = script(browser, "return [...document.querySelectorAll('.names text, .things text')].filter((node) => node.getAttribute('display') !== 'none').map((node) => { const box = node.getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom]; })")
     for at, one in enumerate(drawn):
         for other in drawn[at + 1:]:
             width = min(one[2], other[2]) - max(one[0], other[0])
@@ -453,6 +457,9 @@ def test_no_two_things_have_the_same_name(browser, served, tmp_path):
     names = script(browser, "return [...document.querySelectorAll('label')].filter((label) => label.querySelector('select')).map((label) => label.firstChild.textContent.trim())")
     assert len(names) == 2 and len(set(names)) == 2
     assert len(set(script(browser, "return [...document.querySelectorAll('select')].map((one) => one.getAttribute('aria-label'))"))) == 2
+    for width, height in SIZES:
+        emulate(browser, width, height)
+        assert script(browser, "return document.documentElement.scrollWidth <= innerWidth"), width
 
 
 def test_runs_side_by_side_say_what_differs(browser, served, rpl):
