@@ -1,12 +1,12 @@
-// What two runs differ in, and the first event that is another one.
+// The differences between two runs, and the first event that differs.
 
 import { element, say } from "rpl/elements";
 import { isEvent, seconds } from "rpl/run";
 
-/** What the page itself notes in lines. */
+/** Notes of the page itself in lines. */
 const OF_PAGE = ["line", "names"];
 
-/** What a line tells of, in a few words. */
+/** A line in a few words. */
 function words(run, line) {
   if (!line) return `${seconds(run.end)}: the run is over`;
   const [time, seen] = line;
@@ -38,10 +38,10 @@ export class Comparison {
     this.same = element("p", { class: "same" });
     this.first = element("button", { type: "button", class: "first-difference", onclick: () => this.found && goTo(Math.min(...this.found.map(({ time }) => time))) });
     const body = element("table", {}, element("thead", {}, element("tr", {}, element("th", {}, "differs"), ...runs.map((_, at) => element("th", {}, `run ${at + 1}`)))), this.rows);
-    this.node = element("section", { class: "comparison", "aria-label": "What the runs differ in" }, body, element("div", {}, this.same, this.first));
+    this.node = element("section", { class: "comparison", "aria-label": "Differences between the runs" }, body, element("div", {}, this.same, this.first));
   }
 
-  /** The runs may be longer now: what was alike is not looked at again. */
+  /** The runs may be longer now. Lines that were alike are not looked at again. */
   show() {
     const told = this.runs.map(facts);
     const names = Object.keys(told[0]);

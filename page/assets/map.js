@@ -209,7 +209,7 @@ export class MapView {
     this.svg.addEventListener("pointercancel", () => { held = pressed = null; });
   }
 
-  /** Where somebody has clicked, and how far that is from the robot, the click before and the nearest place. */
+  /** Measures from a click to the robot, to the click before and to the nearest place. */
   measure({ clientX, clientY }) {
     const box = this.svg.getBoundingClientRect();
     const x = this.look.x + (clientX - box.left - box.width / 2) * this.perPixel;

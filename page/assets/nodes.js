@@ -1,4 +1,4 @@
-// Tasks and plan calls over the whole run as one tree, and what they are called: a plan call by its plan and arguments, a
+// Tasks and plan calls over the whole run as one tree, and their names: a plan call is called by its plan and arguments, a
 // task by its tag or by the plan that it calls. Names of constructs with a position, as `with-policy[1]`, say nothing to a
 // reader; they stay in the paths.
 
@@ -12,7 +12,7 @@ export function isWithin(path, above) {
 
 /** A plan call as one writes it. */
 export function callName([segment, given]) {
-  // What is nil by name is as good as not given.
+  // A named argument that is nil is as good as none.
   return `${segment.replace(/\.\d+$/, "")} ${given.replace(/(^| ):\S+ nil(?= |$)/g, "")}`.trim();
 }
 
@@ -95,7 +95,7 @@ export class Nodes {
     return form && (form.length > LONGEST_FORM ? `${form.slice(0, LONGEST_FORM)}…` : form);
   }
 
-  /** How a node has ended: a failure that nobody handled goes up to the task that has none above it. */
+  /** How a node has ended: a failure that is not handled goes up to the task at the top. */
   howEnded(node) {
     if (node.endedAt === null) return "alive";
     if (node.state !== "failed") return node.state;
@@ -104,12 +104,12 @@ export class Nodes {
     return top.state === "failed" ? "failed" : "handled";
   }
 
-  /** What a node is called. */
+  /** The name of a node. */
   label(node) {
     return node.name ?? node.call ?? node.words ?? node.segment.replace(/(?:\.\d+)?\[(\d+)\]$/, (_, position) => `, part ${Number(position) + 1}`);
   }
 
-  /** What a living task is called now: by its tag, and by the innermost plan that it calls. */
+  /** The name of a living task now: its tag, and the innermost plan that it calls. */
   taskName(task) {
     const own = this.ofTask.get(task.id);
     const calls = task.calls ?? [];
@@ -118,7 +118,7 @@ export class Nodes {
     return own.name && own.parent ? `${own.name}: ${call}` : call;
   }
 
-  /** What a living task is called as the holder of a valve: one without a name by what it is a part of. */
+  /** The name of a living task as the holder of a valve. One without a name goes by the call that it is a part of. */
   holderName(task) {
     if (!this.isNameless(task)) return this.taskName(task);
     let node = this.ofTask.get(task.id);
@@ -126,12 +126,12 @@ export class Nodes {
     return this.label(node);
   }
 
-  /** Whether nobody has given a living task a name: neither a tag nor a plan that it calls. */
+  /** Whether a living task has neither a tag nor a plan that it calls. */
   isNameless(task) {
     return !this.ofTask.get(task.id).name && !task.calls?.length;
   }
 
-  /** What the task or call at a path is called; the path itself if it is none. */
+  /** The name of the task or call at a path; the path itself if there is none. */
   nameOf(path) {
     const node = this.byPath.get(path);
     return node ? this.label(node) : path;

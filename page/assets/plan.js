@@ -29,7 +29,7 @@ function stringEnd(text, at) {
   return at;
 }
 
-/** So long the text stays where a reader has turned it, in milliseconds. */
+/** The text stays where a reader has turned it for this long, in milliseconds. */
 const READER_MS = 8000;
 
 export class PlanView {
@@ -82,7 +82,7 @@ export class PlanView {
     }
   }
 
-  /** The place in the texts where what has changed last goes on: that of the task, or of the next one above it. */
+  /** The place in the texts of the task that changed last, or of the next one above it. */
   innermost(state) {
     let last = null;
     for (const task of state.tasks.values()) {
@@ -184,10 +184,10 @@ export class PlanView {
   }
 }
 
-/** No more of what was told is shown at a time. */
+/** No more messages are shown at a time. */
 const MOST_TOLD = 200;
 
-/** What kind of thing was told, as far as one knows after so many lines. */
+/** The kind of a message, as far as it is known after a number of lines. */
 function kindOf(one, at) {
   if (one.kind !== "failure") return one.kind;
   if (one.endsAt <= at) return "failure end";

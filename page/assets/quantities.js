@@ -37,7 +37,7 @@ export class ValvesView {
   }
 }
 
-/** Curves of what is known of the robot, then of the fluents that are numbers. */
+/** Curves of the robot's quantities, then of the fluents that are numbers. */
 export class CurvesView {
   constructor(run) {
     this.run = run;

@@ -81,7 +81,7 @@ function numberOf(text) {
   return text === "nil" ? 0 : 1;
 }
 
-/** What is known of the robot as a number, with its unit and how it is read off a line. */
+/** The robot's quantities: name, unit, and how each is read off a line. */
 const ROBOT_CURVES = [
   ["battery", "%", (robot) => robot.battery === undefined ? null : robot.battery / 10],
   ["position certainty", "%", (robot) => robot.certainty / 10],
@@ -135,7 +135,7 @@ export class Run {
     }
   }
 
-  /** A holder goes by the plan call in which it was given the valve, whatever it calls while it has it. */
+  /** A holder goes by the plan call in which it was given the valve, although it may be in another one by now. */
   nameHolders(valve) {
     const before = this.latest.valves.get(valve.name)?.names ?? new Map();
     const name = (id) => before.get(id) ?? (this.latest.tasks.has(id) ? this.nodes.holderName(this.latest.tasks.get(id)) : "?");
@@ -163,12 +163,12 @@ export class Run {
       if (failure) failure.handledAt = one.at;
       return;
     }
-    // A failure that goes up through tasks, or that a behaviour gave up with, is the same one.
-    const isSame = (told) => told?.kind === "failure" && !told.handledAt
-      && (one.kind === "failure" ? told.text === one.text && isWithin(told.task, one.task)
-        : told.time === one.time && one.text.endsWith(`gives up: ${told.text}`));
-    if (one.kind === "failure" ? isSame(this.lastFailure(() => true)) : one.kind === "robot" && isSame(last)) return;
-    this.told.push(one);
+    if (one.kind === "robot" && last?.kind === "failure" && last.time === one.time && one.text.endsWith(`gives up: ${last.text}`)) return;
+    const failure = one.kind === "failure" && this.lastFailure(() => true);
+    // It goes up through tasks, or a handler has raised it again.
+    const isSame = failure && failure.text === one.text && isWithin(failure.task, one.task) && (failure.time === one.time || !failure.handledAt);
+    if (isSame) failure.handledAt = undefined;
+    else this.told.push(one);
   }
 
   /** The last failure of those that are meant, among the last few things that were told. */

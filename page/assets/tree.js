@@ -1,5 +1,5 @@
-// A picture of the plan: its plan calls and tasks as a tree, each with its state. What has ended is folded up, so that what
-// goes on can be read; a click on the number of what is folded up opens it.
+// A picture of the plan: its plan calls and tasks as a tree, each with its state. Parts that have ended are folded up,
+// so that the living ones can be read; a click on their number opens them.
 
 import { drawn, element, rows, say, set } from "rpl/elements";
 import { seconds, standing } from "rpl/run";
@@ -17,7 +17,7 @@ const INDENT = 24;
 /** Beyond this depth nodes are not moved farther to the right. */
 const DEEPEST = 12;
 
-/** So long the picture stays where a reader has turned it, in milliseconds. */
+/** The picture stays where a reader has turned it for this long, in milliseconds. */
 const READER_MS = 8000;
 
 const STATES = {
@@ -30,7 +30,7 @@ export class TreeView {
   constructor(run, choose) {
     this.run = run;
     this.choose = choose;
-    /** What a reader has opened: numbers of nodes, and of nodes whose children of a kind are all shown. */
+    /** Keys of the nodes and groups that a reader has opened. */
     this.opened = new Set();
     this.lines = drawn("svg", { class: "branches", "aria-hidden": "true" }, drawn("path"));
     this.list = element("ul", { class: "plan-nodes" });
@@ -56,12 +56,12 @@ export class TreeView {
     return task.state === "waits" ? "waits" : "running";
   }
 
-  /** The children that are drawn: parts of constructs that nobody has named give way to theirs. */
+  /** The children that are drawn: parts of constructs that have no name give way to theirs. */
   children(node) {
     return node.children.flatMap((child) => (child.name || !child.children.length ? [child] : this.children(child)));
   }
 
-  /** What is drawn of a node and below it, with what is folded up. */
+  /** Gathers the items of a node and of those below it. */
   gather(node, depth, state, at, items) {
     const how = this.stateOf(node, state, at);
     const children = this.children(node);
@@ -80,7 +80,7 @@ export class TreeView {
       if (kind) alike[kind].push(child);
       else isKept.add(child);
     }
-    // The last of what is over, and the first of what comes, are nearest to what goes on.
+    // The last that are over and the first that are to come are nearest to the present.
     const nearest = { past: alike.past.slice(-MOST_ALIKE), later: alike.later.slice(0, MOST_ALIKE) };
     for (const kind of ["past", "later"]) {
       const key = `${kind}${node.number}`;
@@ -126,7 +126,7 @@ export class TreeView {
     this.paper.style.height = `${height}px`;
   }
 
-  /** What has changed last is in view, unless a reader has turned the picture lately. */
+  /** Scrolls the node that changed last into view, unless a reader has turned the picture lately. */
   follow(shown, state) {
     if (performance.now() - this.turnedAt < READER_MS) return;
     let [last, line] = [null, -1];

@@ -32,7 +32,7 @@ pub enum ReportError {
     Layout(String),
 }
 
-/// What the head of a run says of how it is written.
+/// The part of a head that says how the run is written.
 #[derive(Deserialize)]
 struct Layout {
     series: u32,

@@ -78,7 +78,7 @@ pub struct DrawnSolid {
     /// Of a disc.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<i32>,
-    /// What it is called, if it is not in the robot's map.
+    /// Its name, if it is not in the robot's map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
 }
@@ -149,7 +149,7 @@ pub enum Seen {
     Belief(crate::belief::DrawnBelief),
     /// Numbers of the doors that are closed: really, if that is to be seen, else as far as the robot knows.
     Closed(Vec<usize>),
-    /// What stands there and is not in the robot's map.
+    /// Objects that are not in the robot's map.
     Things(Vec<DrawnSolid>),
     /// People: x and y of one after the other, in centimetres.
     People(Vec<i32>),

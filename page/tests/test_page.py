@@ -449,6 +449,19 @@ def test_a_failure_is_told_once_and_is_red_only_if_it_ends_the_run(browser, roun
     assert script(browser, red) > 0
 
 
+def test_a_failure_that_is_raised_again_is_the_same_and_one_of_a_retry_is_another(browser, rpl, tmp_path):
+    raised = {
+        "again": ("(with-failure-handling ((stuck (f) (refail))) (par (fail stuck \"x\") (wait-time 1)))", ["failure end"]),
+        "retry": ("(with-retry-counters ((n 2)) (with-failure-handling ((stuck (f) (do-retry n (retry)))) (wait-time 1) (fail stuck \"x\")))", ["failure handled"] * 3),
+    }
+    for name, (text, kinds) in raised.items():
+        (tmp_path / f"{name}.rpl").write_text(f"(def-failure stuck (plan-failure) ())\n{text}")
+        path = tmp_path / f"{name}.html"
+        rpl("run", f"{name}.rpl", "--report", path, "-q")
+        opened(browser, path.as_uri())
+        assert script(browser, "return [...document.querySelectorAll('.log li')].filter((line) => line.textContent.includes('stuck: x')).map((line) => line.className)") == kinds
+
+
 def test_no_two_things_have_the_same_name(browser, served, tmp_path):
     (tmp_path / "round.rpl").write_text(round_text())
     link, _ = served("run", "round.rpl", "--live", ":0", "--control", "--realtime", "2")

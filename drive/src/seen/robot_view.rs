@@ -162,7 +162,7 @@ impl RobotView {
         }
     }
 
-    /// The doors that are closed; with the truth also people, and what the robot's map does not have.
+    /// The doors that are closed; with the truth also people, and objects that the robot's map lacks.
     fn look_around(&mut self, now_us: u64, robot: &mut Robot, seen: &mut Vec<Seen>) {
         if let Some((world, state)) = robot.simulated_world().filter(|_| self.truth) {
             newly(&mut self.closed, closed_doors(&state.doors_open), Seen::Closed, seen);
@@ -204,7 +204,7 @@ fn closed_doors(open: &[bool]) -> Vec<usize> {
     open.iter().enumerate().filter(|(_, is_open)| !**is_open).map(|(number, _)| number).collect()
 }
 
-/// What stands in a world and is not in the robot's map.
+/// Objects in a world that are not in the robot's map.
 fn things(world: &World, state: &SimulatorState) -> Vec<DrawnSolid> {
     let of_world = world.objects.iter().zip(&state.objects_removed);
     let left = of_world.filter(|(object, is_removed)| !object.mapped && !**is_removed).map(|(object, _)| object);

@@ -143,7 +143,7 @@ pub struct TracedPose {
 pub(super) const POSE: &str = "pose";
 
 /// `{"time_s":…,"kind":"pose","true":[x, y, heading],"estimated":[x, y, heading],"certainty":…,"velocity":[translation,
-/// rotation],"battery":…}` in metres, radians and seconds; `true` is null where nobody knows, velocity and battery before
+/// rotation],"battery":…}` in metres, radians and seconds; `true` is null if it is unknown, velocity and battery before
 /// the first step. To the millimetre and less than a hundredth of a degree.
 pub(super) fn pose_line(seen: &TracedPose) -> String {
     let Sight { robot_in_map, estimate_in_map, certainty, velocity, battery } = seen.sight;
