@@ -145,9 +145,15 @@ export class PlanView {
     const isAsked = before && before !== this.stood;
     this.stood = before;
     if (innermost && innermost !== this.followed && (isAsked || performance.now() - this.turnedAt > READER_MS)) {
-      this.followed = innermost;
-      this.showPlace(innermost);
+      this.followed = this.due = innermost;
     }
+  }
+
+  /** Scrolls to the form or node that goes on. It asks for the layout, so it comes after all changes of the page. */
+  follow() {
+    if (this.page === "Tree") return this.tree.follow();
+    if (this.due) this.showPlace(this.due);
+    this.due = null;
   }
 
   showPlace(place) {

@@ -105,7 +105,7 @@ export class TreeView {
     this.more.hidden = items.length <= MOST_NODES;
     say(this.more, "More is not drawn; it is in the list of tasks.");
     rows(this.list, shown, (item) => item.key, (item) => this.make(item), (row, item) => this.update(row, item, state));
-    this.follow(shown, state);
+    this.shown = shown;
   }
 
   /** A node stands below the one before, and to the right of the one it belongs to. */
@@ -127,11 +127,11 @@ export class TreeView {
   }
 
   /** Scrolls the node that changed last into view, unless a reader has turned the picture lately. */
-  follow(shown, state) {
+  follow() {
     if (performance.now() - this.turnedAt < READER_MS) return;
     let [last, line] = [null, -1];
-    for (const item of shown) {
-      const task = state.tasks.get(item.node.task);
+    for (const item of this.shown) {
+      const task = this.state.tasks.get(item.node.task);
       if ((item.how === "waits" || item.how === "running") && task.line >= line) [last, line] = [item, task.line];
     }
     if (!last || last.key === this.followed) return;

@@ -48,6 +48,7 @@ export class RunView {
     this.curves.show(time, this.run.end);
     this.fluents.show(shown, time, this.run.end);
     this.log.show(count);
+    this.plan.follow();
     say(this.title, name(this.run.head) + (state.isFull ? " (the rest was not kept)" : ""));
     return true;
   }
