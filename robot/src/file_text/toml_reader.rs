@@ -15,7 +15,7 @@ const MOST_TABLES: usize = 5_000;
 const LONGEST_NAME: usize = 255;
 
 /// A full turn, and as much as it may be rounded up by.
-const MOST_RADIANS: f64 = 6.2832;
+const MOST_RADIANS: f64 = std::f64::consts::TAU + 1e-4;
 
 /// No coordinate, length or speed is larger: 100 km.
 const LARGEST_NUMBER: f64 = 1e5;

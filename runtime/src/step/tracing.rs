@@ -12,10 +12,14 @@ use crate::step::tasks::condition::FluentReading;
 use rpl_lang::bars::written_keyword;
 use rpl_lang::code::Program;
 use rpl_lang::symbol::Symbol;
+use rpl_lang::visible::visible;
 use std::collections::BTreeSet;
 
 /// Elements of a list that are written of an argument.
 const MOST_ELEMENTS: usize = 8;
+
+/// Of a longer text of an argument only the beginning is written.
+const LONGEST_TEXT_BYTES: usize = 200;
 
 /// A fluent's name, in parentheses with those it is computed from.
 fn nested(reading: &FluentReading) -> String {
@@ -105,20 +109,31 @@ impl Machine {
         written.join(" ")
     }
 
-    /// A value as it would stand in a call. Of a list only its beginning is written: a plan that calls itself with the
-    /// rest of a list would else write a trace that grows with the square of its length.
+    /// A value as it would stand in a call. Of what may be long only the beginning is written: a plan that calls itself
+    /// with the rest of a list, or again and again with one vector, would else write a trace that grows with the square of
+    /// its length.
     fn argument(&self, program: &Program, value: Value) -> String {
         match value {
             Value::Symbol(_) => format!("'{}", self.write(program, value)),
             Value::Cons(_) => {
-                let element = |value: Option<Value>| match value {
-                    Some(Value::Cons(_)) => "(…)".to_string(),
-                    Some(atom) => self.brief(program, atom),
-                    None => "…".to_string(),
-                };
+                let element =
+                    |value: Option<Value>| value.map_or("…".to_string(), |value| self.element(program, value));
                 format!("'({})", self.beginning(value).into_iter().map(element).collect::<Vec<_>>().join(" "))
             }
-            other => self.brief(program, other),
+            other => self.element(program, other),
+        }
+    }
+
+    /// A value within a call, without what lies in it.
+    fn element(&self, program: &Program, value: Value) -> String {
+        match value {
+            Value::Cons(_) => "(…)".to_string(),
+            Value::Vector(_) => "#(…)".to_string(),
+            Value::Str(text) if self.heap.strings[text].len() > LONGEST_TEXT_BYTES => {
+                let text = &self.heap.strings[text];
+                format!("\"{}…\"", visible(&text[..text.floor_char_boundary(LONGEST_TEXT_BYTES)]))
+            }
+            atom => self.brief(program, atom),
         }
     }
 

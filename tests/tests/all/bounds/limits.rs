@@ -29,6 +29,16 @@ fn a_runaway_fails_and_can_be_handled_once() {
     assert_eq!(run_limited(handled, 1_000, 1 << 30), "=> caught");
 }
 
+/// r[limit.steps]
+#[test]
+fn what_fails_without_end_spends_steps_by_its_failures() {
+    let failed =
+        "(defvar n 0) (with-failure-handling ((plan-failure (f) (incf n) (retry)) (runaway (f) n)) (fail \"x\"))";
+    let shown = run_limited(failed, 256 * 100, 1 << 30);
+    let times: u32 = shown.strip_prefix("=> ").and_then(|times| times.parse().ok()).expect(&shown);
+    assert!((80..=100).contains(&times), "{times} failures of 256 steps each");
+}
+
 /// r[limit.twice]
 #[test]
 fn a_second_runaway_in_one_instant_passes_handlers() {

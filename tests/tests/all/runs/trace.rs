@@ -58,6 +58,8 @@ fn a_plan_call_has_its_arguments_as_they_stand_in_a_call() {
     assert_eq!(arguments("(one 'basin)"), "arguments 'basin");
     assert_eq!(arguments("(one \"a\" nil 2.5)"), "arguments \"a\" nil 2.5");
     assert_eq!(arguments("(one '(a (b c) 3))"), "arguments '(a (…) 3)");
+    assert_eq!(arguments("(one (make-vector 100000 1))"), "arguments #(…)");
+    assert_eq!(arguments(&format!("(one \"{}\")", "ä".repeat(90_000))), format!("arguments \"{}…\"", "ä".repeat(100)));
     assert_eq!(arguments("(one (range 1 100))"), "arguments '(1 2 3 4 5 6 7 8 …)");
     assert_eq!(arguments("(all 1 'two :three)"), "arguments 1 'two :three");
     assert_eq!(arguments("(some :near 'here)"), "arguments :near 'here");
