@@ -2,7 +2,7 @@
 
 use super::over_time::OverTime;
 use super::reliability::Bin;
-use super::samples::{EVERY_S, POINTS};
+use super::samples::EVERY_S;
 use super::statistics::{Proportion, Summary};
 use rpl_drawing::palette::{self, SERIES};
 use rpl_drawing::writing::{FAMILY, SMALL_PX, TEXT_PX, TITLE_PX, centred, ending, rounded, text, width_px, wrap};
@@ -168,17 +168,25 @@ pub(crate) fn error_over_time(rows: &[(&str, &OverTime)]) -> Option<String> {
     Some(over_time("Distance from the estimate to the truth: mean and 95 % interval", "error [m]", 1.0, &lines))
 }
 
+/// A curve of steps has no more of them at their own times.
+const MOST_STEPS: usize = 400;
+
 /// The share of the runs that have succeeded by a time, with 95 % intervals.
 pub(crate) fn success_over_time(rows: &[(&str, &OverTime)]) -> String {
     let latest_s = rows.iter().map(|(_, row)| row.latest_s).fold(1.0, f64::max);
     let line = |row: &OverTime| -> Vec<CurvePoint> {
-        let point = |point: usize| {
-            let at_s = latest_s * point as f64 / POINTS as f64;
+        let point = |at_s: f64| {
             let share = Proportion::new(row.succeeded_s.up_to(at_s), row.runs);
             let (low, high) = share.interval_95;
             CurvePoint { time_s: at_s, value: share.rate.unwrap_or(0.0), low, high }
         };
-        let points: Vec<CurvePoint> = (0..=POINTS).map(point).collect();
+        // Where runs are few each steps at its own time; where they are many, no step could be seen.
+        let own = row.succeeded_s.different(MOST_STEPS);
+        let grid = || (0..=MOST_STEPS).map(|point| latest_s * point as f64 / MOST_STEPS as f64).collect();
+        let mut times_s: Vec<f64> = own.unwrap_or_else(grid);
+        times_s.insert(0, 0.0);
+        times_s.push(latest_s);
+        let points: Vec<CurvePoint> = times_s.into_iter().map(point).collect();
         // A run succeeds at a moment: between two the share stays what it was.
         let steps = points.windows(2).flat_map(|pair| [CurvePoint { time_s: pair[1].time_s, ..pair[0] }, pair[1]]);
         points.first().copied().into_iter().chain(steps).collect()
@@ -300,16 +308,19 @@ mod tests {
         trials.iter().for_each(|trial| over_time.add(trial));
         let drawn = success_over_time(&[("mine", &over_time)]);
         let line = drawn.split("<polyline").nth(1).and_then(|rest| rest.split("points=\"").nth(1)).expect("a line");
-        let shares: Vec<f64> = line
+        let axis_s = axis_up_to(100.0).0;
+        let corners: Vec<(f64, f64)> = line
             .split('"')
             .next()
             .expect("its points")
             .split_whitespace()
-            .map(|point| point.split_once(',').expect("two numbers").1.parse::<f64>().expect("a number"))
-            .map(|y| 1.0 - (y - 48.0) / HEIGHT)
+            .map(|point| point.split_once(',').expect("two numbers"))
+            .map(|(x, y)| (x.parse::<f64>().expect("a number"), y.parse::<f64>().expect("a number")))
+            .map(|(x, y)| ((x - LEFT) / WIDTH * axis_s, 1.0 - (y - 48.0) / HEIGHT))
             .collect();
-        // The line goes along to each point and then up, so that each has two corners.
-        let at = |time_s: usize| shares[2 * (time_s * POINTS / 100)];
-        assert_eq!((at(0), at(20), at(50), at(100)), (0.0, 0.25, 0.5, 0.75), "{shares:?}");
+        // The line goes along to the time of each success and then up.
+        let at = |time_s: f64| corners.iter().rfind(|(corner_s, _)| *corner_s <= time_s).expect("it begins at 0").1;
+        assert_eq!((at(9.0), at(10.2), at(39.0), at(40.2)), (0.0, 0.25, 0.25, 0.5), "{corners:?}");
+        assert_eq!(corners.last().expect("it ends").1, 0.75, "{corners:?}");
     }
 }

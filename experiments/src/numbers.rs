@@ -126,6 +126,14 @@ impl Numbers {
         self.ranked(self.count() * tenths / 10)
     }
 
+    /// The different numbers, from the least on; none if there are more than this, or they are only known by bins.
+    pub fn different(&self, most: usize) -> Option<Vec<f64>> {
+        let Self::All(numbers) = self else { return None };
+        let mut different = sorted(numbers);
+        different.dedup();
+        (different.len() <= most).then_some(different)
+    }
+
     /// How many do not exceed a number.
     pub fn up_to(&self, most: f64) -> usize {
         match self {

@@ -8,8 +8,9 @@ use rpl_lang::visible::visible;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
-use std::io::{self, Read, Write};
+use std::io::{self, IsTerminal, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -22,6 +23,10 @@ const MOST_LAST_WORDS: usize = 4 << 10;
 
 /// Lines of it that are told.
 const MOST_LAST_LINES: usize = 12;
+
+/// Lines of standard error that are passed on of a process, and bytes of each.
+const MOST_PASSED_LINES: usize = 1_000;
+const MOST_PASSED_BYTES: usize = 2_000;
 
 /// Bytes taken from a pipe at once.
 const CHUNK: usize = 64 << 10;
@@ -84,9 +89,48 @@ pub struct Process {
     taken: usize,
     searched: usize,
     last_words: Vec<u8>,
+    /// What it writes to standard error is passed on under this name.
+    passes_on: Option<PassedOn>,
     most_line: usize,
     /// How it ended, once it has been reaped.
     ended: Option<ExitStatus>,
+}
+
+/// Lines of standard error on their way.
+#[derive(Debug, Default)]
+struct PassedOn {
+    name: String,
+    /// A line that has not ended.
+    begun: Vec<u8>,
+    lines: usize,
+}
+
+impl PassedOn {
+    fn take(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            if byte == b'\n' || self.begun.len() >= MOST_PASSED_BYTES {
+                self.end_line();
+            }
+            if byte != b'\n' {
+                self.begun.push(byte);
+            }
+        }
+    }
+
+    fn end_line(&mut self) {
+        self.lines += 1;
+        let text = match self.lines.cmp(&MOST_PASSED_LINES) {
+            Ordering::Less => visible(&String::from_utf8_lossy(&self.begun)).into_owned(),
+            Ordering::Equal => "it writes more, which is left out".to_string(),
+            Ordering::Greater => String::new(),
+        };
+        self.begun.clear();
+        if self.lines <= MOST_PASSED_LINES {
+            // A status line may stand there. Nobody listens if this fails.
+            let clear = if io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
+            writeln!(io::stderr(), "{clear}{}: {text}", self.name).ok();
+        }
+    }
 }
 
 impl Process {
@@ -121,6 +165,7 @@ impl Process {
             taken: 0,
             searched: 0,
             last_words: Vec::new(),
+            passes_on: None,
             most_line,
             ended: None,
         };
@@ -129,6 +174,13 @@ impl Process {
             rustix::io::ioctl_fionbio(pipe, true)?;
         }
         Ok(process)
+    }
+
+    /// What it has written and writes to standard error is written to that of this process too, under a name.
+    pub fn pass_errors_on(&mut self, name: &str) {
+        let mut passes_on = PassedOn { name: name.to_string(), ..PassedOn::default() };
+        passes_on.take(&self.last_words);
+        self.passes_on = Some(passes_on);
     }
 
     /// Its number, and that of its group.
@@ -240,6 +292,9 @@ impl Process {
                 None => return Ok(()),
                 Some(0) => self.errors = None,
                 Some(read) => {
+                    if let Some(passes_on) = &mut self.passes_on {
+                        passes_on.take(&chunk[..read]);
+                    }
                     self.last_words.extend_from_slice(&chunk[..read]);
                     let too_many = self.last_words.len().saturating_sub(MOST_LAST_WORDS);
                     self.last_words.drain(..too_many);

@@ -60,7 +60,10 @@ impl ModuleProcess {
             .map_err(|error| refused(not_started(&manifest.command[0], &error), String::new()))?;
         let mut module = Self { manifest: manifest.clone(), process, unanswered: None, is_lost: false };
         match module.greet(greeting) {
-            Ok(()) => Ok(module),
+            Ok(()) => {
+                module.process.pass_errors_on(&manifest.name);
+                Ok(module)
+            }
             Err(why) => {
                 module.process.end(Duration::ZERO);
                 Err(refused(why, module.process.last_words()))

@@ -5,6 +5,7 @@ use super::{Prompt, definitions, present};
 use anyhow::Result;
 use rpl_drive::show::failure_report::Reporter;
 use rpl_drive::stopping::halt::Until;
+use rpl_lang::code::GlobalKind;
 use rpl_lang::diagnostic;
 use rpl_runtime::run::library::Rejected;
 use rpl_runtime::run::session::{Answer, Submitted};
@@ -22,9 +23,27 @@ impl Prompt<'_> {
 
     /// Forms that were typed.
     pub(super) fn forms(&mut self, text: &str, until: &Until) -> Result<()> {
+        if let Some(name) = self.called_without_parentheses(text) {
+            self.console.note(&format!("error: a call stands in parentheses: `({})`", text.trim()));
+            self.console.note(&format!("`{name}` alone is the value of that name, and the rest are further forms"));
+            self.worst = Status::Wrong;
+            return Ok(());
+        }
         self.typed = text.trim_end().to_string();
         let forms = self.session.typed(text);
         self.hand_in(forms, until)
+    }
+
+    /// The name of a function or a plan that stands before its arguments in one line: `go-to 'desk`.
+    fn called_without_parentheses(&self, text: &str) -> Option<String> {
+        let (head, rest) = text.trim().split_once(' ')?;
+        let is_one_line =
+            !rest.trim().is_empty() && !rest.contains(['\n', ';']) && !head.starts_with(['(', '\'', '`', '#']);
+        let program = &self.session.branch.system.program;
+        let name = self.session.branch.system.machine.symbols.find(head).filter(|_| is_one_line)?;
+        let &global = program.names.get(&name)?;
+        let is_function = matches!(program.globals[global as usize].kind, GlobalKind::Function(_));
+        is_function.then(|| head.to_string())
     }
 
     fn hand_in(&mut self, forms: HandedIn, until: &Until) -> Result<()> {

@@ -22,7 +22,7 @@ Value = Union[None, bool, int, float, str, Symbol, List["Value"]]
 class Failure(Exception):
     """Raised in ``start`` or ``step`` it ends the behaviour with a failure of the plan.
 
-    The class is one that the plan has defined (``define-failure``); the slots are those of the class.
+    The class is one that the plan has defined (``def-failure``); the slots are those of the class.
     """
 
     def __init__(self, failure_class: str, message: str, **slots: Value) -> None:

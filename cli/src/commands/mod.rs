@@ -132,6 +132,10 @@ impl Command {
 /// The error with the command that was probably meant. In a word of three letters clap takes an
 /// exchange of two for another word.
 pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
+    if error.kind() == clap::error::ErrorKind::UnknownArgument {
+        // That what looks like an option may be a value helps nobody who has misspelt one.
+        error.remove(ContextKind::Suggested);
+    }
     let is_known = error.get(ContextKind::SuggestedSubcommand).is_some();
     let typed = match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(typed)) if !is_known || typed.ends_with(".rpl") => typed.clone(),

@@ -57,6 +57,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         "# What commands take for the plans of this folder.\nplan = \"main.rpl\"\nworld = \"{world}\"\n\
          # robot = \"b21\"          # `rpl robots`\n\
          # scenario = \"turned.rpl\"\n\
+         scenarios = [\"turned.rpl\"]\n\
          # seed = 1\n"
     );
     let mut files = vec![

@@ -125,7 +125,7 @@ fn a_test_that_cannot_be_set_up_has_failed_and_the_others_run() {
     for expected in [
         "did you mean `dept`?",
         "broken.toml",
-        "there is no plan `none.rpl`",
+        "there is no scenario `none.rpl`",
         "`undefined` is not defined anywhere",
         "6 tests, 4 failed",
     ] {

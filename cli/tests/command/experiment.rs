@@ -141,7 +141,7 @@ fn an_experiment_file_has_variants_with_plans_of_their_own() {
     let many: String = (0..100_000).map(|at| format!("[[variant]]\nname = \"{at}\"\n")).collect();
     for (wrong, told) in [
         (format!("plan = \"slow.rpl\"\n{many}"), "there are 100000 variants"),
-        (text.replace("runs", "rums"), "unknown field `rums`"),
+        (text.replace("runs", "rums"), "there is no key `rums`"),
         (text.replace("1min", "soon"), "until = \"soon\": a time such as 90s"),
         (text.replace("\"fast\"\nplan", "\"slow\"\nplan"), "two variants are called `slow`"),
         (text.replace("pause", "pauze"), "the plan has no variable `pauze` to set; did you mean `pause`?"),

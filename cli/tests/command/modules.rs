@@ -112,6 +112,8 @@ fn a_mistake_in_python_fails_the_behaviour_and_is_shown() {
     let folder = folder_of_lamp("module-mistake", "(blink-lamp 1)", mistake);
     let Ended { errors, status, .. } = run_in(&folder, &IN_A_ROOM);
     assert!(errors.contains("module-failure") && errors.contains("AttributeError") && status == 1, "{errors}");
+    let traceback = errors.lines().any(|line| line.starts_with("lamp:   File ") && line.contains("lamp.py"));
+    assert!(traceback, "the traceback is passed on: {errors}");
 }
 
 #[test]

@@ -190,6 +190,12 @@ fn no_keyword(
 /// Directives of a format that have no argument, and arguments that have no directive.
 fn format_call(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
     let Some(("format" | "%format", [control, values @ ..])) = check.native_call(ir) else { return };
+    for value in values.iter().filter(|value| found_in(check, value) == Some(Found::Fluent)) {
+        let name = check.shown(value);
+        let message = format!("`{name}` is a fluent, and what is shown is not its value");
+        let warning = check.warning("fluent-as-value", check.narrowed(ir.span, value), message, "the fluent itself");
+        found.push(warning.help(format!("its value is `(value {name})`")));
+    }
     let IrKind::Const(constant) = control.kind else { return };
     let Constant::Atom(Atom::Str(text)) = check.constant(constant) else { return };
     let Some(directives) = count_directives(text) else { return };
@@ -205,7 +211,12 @@ fn format_call(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             count => format!("{count} are"),
         }
     );
-    found.push(check.warning("wrong-format", ir.span, message, format!("shows {}", plural(directives, "value"))));
+    let warning = check.warning("wrong-format", ir.span, message, format!("shows {}", plural(directives, "value")));
+    let is_percent = |pair: &[u8]| pair[0] == b'%' && matches!(pair[1], b'd' | b's' | b'f' | b'i' | b'v');
+    found.push(match directives == 0 && text.as_bytes().windows(2).any(is_percent) {
+        true => warning.help("a value is shown by `~a`"),
+        false => warning,
+    });
 }
 
 /// How many values a format shows; none if it has a directive that is not known.

@@ -251,10 +251,28 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
                 return Some(format!("without the quote `{name}` is the thing itself"));
             }
             if is_thing {
-                return Some(format!("if a variable or a tag is called `{name}`, write it without the quote"));
+                return Some(format!(
+                    "without the quote it is the valve, the variable or the tag `{name}`, if there is one"
+                ));
             }
             matches!(form, "`=`" | "`/=`").then(|| "`eq` compares symbols".to_string())
         }
+        (_, Found::Function) => {
+            let name = check.shown(ir);
+            let takes_nothing = check
+                .natives
+                .get(name.as_str())
+                .is_some_and(|&native| check.subject.natives[usize::from(native)].min == 0);
+            takes_nothing.then(|| format!("its value is `({name})`"))
+        }
+        (Kind::Number, Found::True) => Some("`eq` compares anything; a condition needs no comparison with `t`".into()),
+        (Kind::Text, Found::True) if form == "`format`" => {
+            Some("leave out the `t`; to write the text, `(print (format …))`".into())
+        }
+        (Kind::Behaviour | Kind::Valve | Kind::Fluent | Kind::Task, Found::Text) => {
+            Some("a name stands there without quotation marks".into())
+        }
+        (Kind::Valve, _) => Some("a valve is defined by `(def-valve NAME)`".into()),
         (_, Found::Fluent) => Some(format!("its value is `(value {})`", check.shown(ir))),
         _ => None,
     }

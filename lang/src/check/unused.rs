@@ -5,7 +5,7 @@ use super::infix::stray_operator;
 use super::known::Check;
 use super::places;
 use super::walk::each_form;
-use crate::compile::ir::{Ir, IrKind, Unary, VarId};
+use crate::compile::ir::{Ir, IrKind, ScopeIr, Unary, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
@@ -77,6 +77,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
         each_form(root, &mut |ir| {
             unused_values(check, ir, found);
             found.extend(without_clean_up(check, ir));
+            found.extend(holds_nothing(check, ir));
         });
     }
     for test in &check.subject.text.tests {
@@ -91,6 +92,13 @@ fn without_clean_up(check: &Check<'_>, ir: &Ir) -> Option<Diagnostic> {
     let warning =
         || check.warning("unused-value", ir.span, format!("this `{name}` has no clean-up"), "protects nothing");
     matches!(cleanup.kind, IrKind::Nil).then(|| warning().help(format!("write `({name} FORM CLEAN-UP...)`")))
+}
+
+/// `(with-valve V)`: nothing is done with it.
+fn holds_nothing(check: &Check<'_>, ir: &Ir) -> Option<Diagnostic> {
+    let IrKind::Scope(ScopeIr::Valve { .. }, body) = &ir.kind else { return None };
+    let warning = || check.warning("unused-value", ir.span, "nothing is done while the valve is held", "no forms");
+    matches!(body.kind, IrKind::Nil).then(|| warning().help("write `(with-valve VALVE FORM...)`"))
 }
 
 /// A test that ends with a value: only an `assert` or a failure tells whether it has succeeded.

@@ -228,7 +228,17 @@ impl<'a> Compiler<'a> {
             false => infix.advice(),
         });
         let branches = "`(seq FORM...)` makes one form of several, and `cond` has several branches";
-        let help = help.or_else(|| form.starts_with("`(if ").then(|| branches.to_string()));
+        let has_else = || self.program.sources.text_of(span).split_whitespace().any(|word| word == "else");
+        let help = help.or_else(|| match form {
+            _ if form.starts_with("`(if ") && has_else() => {
+                Some("`if` has no word `else`: the third part is what is done otherwise".to_string())
+            }
+            _ if form.starts_with("`(if ") => Some(branches.to_string()),
+            _ if form.starts_with("`(NAME VALUE") => {
+                Some("the bindings stand in a list of their own: `((NAME VALUE) (NAME VALUE))`".to_string())
+            }
+            _ => None,
+        });
         self.error("malformed", span, format!("{NOT_OF_THE_FORM}{form}"), format!("expected {form}")).help = help;
         self.nil(span)
     }

@@ -51,7 +51,13 @@ impl Compiler<'_> {
             }
             "value" | "wait-for" | "whenever" | "pulse" => {
                 let robots = self.robots_own(text).map(|near| format!("did you mean `{near}`?"));
-                robots.or_else(|| Some(format!("define it: `(def-fluent {text} nil)`")))
+                let missing = text.ends_with('*').then(|| {
+                    "the robot has no such fluent; at the prompt `:fluents *` lists those that it has".to_string()
+                });
+                robots.or(missing).or_else(|| Some(format!("define it: `(def-fluent {text} nil)`")))
+            }
+            "evaporate" | "suspend" | "with-task-suspended" | "status" | "begin-task" | "end-task" => {
+                Some(format!("no tag around it is called `{text}`: `(:tag {text} FORM...)` gives a task one"))
             }
             _ => self.robots_own(text).map(|near| format!("did you mean `{near}`?")),
         }

@@ -4,7 +4,7 @@ use super::compiler::Compiler;
 use super::ir::{Ir, ParameterBinding, VarId};
 use crate::code::Parameters;
 use crate::symbol::Symbol;
-use crate::syntax::NodeId;
+use crate::syntax::{NodeId, NodeKind};
 
 /// More parameters a list cannot have.
 const MAX_PARAMETERS: usize = 200;
@@ -60,7 +60,13 @@ impl Compiler<'_> {
     pub(super) fn parameter_sections(&mut self, node: NodeId) -> Vec<(Section, NodeId)> {
         let Some(items) = self.list_items(node) else {
             let span = self.tree.span(node);
-            self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");
+            let is_text = matches!(self.tree.get(node).kind, NodeKind::Str(_));
+            let error =
+                self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");
+            if is_text {
+                error.help =
+                    Some("the text stands behind the parameters: `(NAME (PARAMETER...) \"text\" FORM...)`".into());
+            }
             return Vec::new();
         };
         let mut found = Vec::new();
@@ -109,8 +115,15 @@ impl Compiler<'_> {
             if let Some(name) = self.tree.plain_symbol(node).filter(|&name| self.is_bindable(name)) {
                 return Some((self.bind(name, span), Vec::new()));
             }
-            self.error("parameter-list", span, "a parameter must be a name", "expected a name").help =
-                Some("the list of parameters stands before the forms; without parameters it is `()`".into());
+            let written = self.program.sources.text_of(span);
+            let help = match written {
+                "t" | "nil" => {
+                    format!("`{written}` is a value and cannot be a name; take another one, such as `{written}-1`")
+                }
+                "," | "=" => "parameters are separated by spaces: `(x y)`".to_string(),
+                _ => "the list of parameters stands before the forms; without parameters it is `()`".to_string(),
+            };
+            self.error("parameter-list", span, "a parameter must be a name", "expected a name").help = Some(help);
         }
         self.bind_all(node);
         None

@@ -125,7 +125,7 @@ impl Compiler<'_> {
                 "only a scenario has it",
             )
             .help = Some(
-                "`rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
+                "a project says it by `scenarios = [\"FILE\"]` in `rpl.toml`; `rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
                     .into(),
             );
         } else {
@@ -333,10 +333,20 @@ impl Compiler<'_> {
     pub(super) fn arity_error(&mut self, name: &str, count: usize, expected: &str, span: Span) -> &mut Diagnostic {
         let given = if count == 1 { "1 is given".to_string() } else { format!("{count} are given") };
         let help = infix_in(&self.program.sources, span, 2).map(|infix| infix.advice());
+        let help = help.or_else(|| self.keywords_for_places(expected, span));
         let error =
             self.error("arity", span, format!("`{name}` takes {expected}, and {given}"), format!("takes {expected}"));
         error.help = help;
         error
+    }
+}
+
+impl Compiler<'_> {
+    /// Advice on a call that names its arguments, of something that takes them by their places.
+    fn keywords_for_places(&self, expected: &str, call: Span) -> Option<String> {
+        let text = self.program.sources.text_of(call);
+        let is_named = text.contains(" :") && !expected.contains(':');
+        is_named.then(|| "its parameters have no keywords: the values stand alone, in their order".to_string())
     }
 }
 

@@ -104,7 +104,12 @@ impl<'i> Reader<'i> {
             if known.contains(&name) {
                 continue;
             }
+            let is_of_tables = table.values[key]
+                .get_ref()
+                .as_array()
+                .is_some_and(|array| array.iter().any(|each| each.get_ref().is_table()));
             let message = match nearest(name, known.iter().copied()) {
+                Some(suggestion) if is_of_tables => format!("unknown key `{name}`, did you mean `[[{suggestion}]]`?"),
                 Some(suggestion) => format!("unknown key `{name}`, did you mean `{suggestion}`?"),
                 None => format!("unknown key `{name}`"),
             };

@@ -44,6 +44,9 @@ impl OutputFile {
         let made = is_new.then(|| path.canonicalize().unwrap_or(path.to_path_buf()));
         let output = Self { path: path.to_path_buf(), what, file: Some(file), made };
         refuse_input(path, what)?;
+        if !is_new && path.extension().is_some_and(|extension| extension == "rpl") {
+            bail!("{what} cannot go into `{shown}`, which is a plan; name another file");
+        }
         if let Some(identity) = inputs::identity(path)
             && let Ok(mut opened) = OPENED.lock()
         {

@@ -100,9 +100,9 @@ fn text_of(name: &str, what: &str) -> Result<PlanText> {
     }
     let path = Path::new(name);
     match path.metadata() {
-        Ok(_) => {
+        Ok(known) => {
             let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-            if path.extension().is_some_and(|extension| extension == "toml") {
+            if known.is_file() && path.extension().is_some_and(|extension| extension == "toml") {
                 bail!(
                     "`{0}` is no {what}; a world is given by `--world {0}`, a robot by `--robot {0}`, a module by `--module {0}`",
                     visible(name)
