@@ -37,10 +37,15 @@ pub(crate) fn is_operator(name: &str) -> bool {
     OPERATORS.contains(&name)
 }
 
+/// The beginning of a form, as far as it is looked at.
+pub(crate) fn beginning(sources: &Sources, form: Span) -> &str {
+    let text = sources.text_of(form);
+    &text[..text.floor_char_boundary(LOOKED_AT_BYTES)]
+}
+
 /// The first operator that stands in a form itself between two operands, behind `behind_items` items.
 pub(crate) fn infix_in(sources: &Sources, form: Span, behind_items: u32) -> Option<Infix> {
-    let text = sources.text_of(form);
-    let (tokens, _) = lex(&text[..text.floor_char_boundary(LOOKED_AT_BYTES)], form.source);
+    let (tokens, _) = lex(beginning(sources, form), form.source);
     let words = tokens.into_iter().filter(|(token, _)| !token.is_comment());
     let tokens: Vec<(Token, Span)> = words.map(|(token, span)| (token, within(form, span))).collect();
     let (mut depth, mut items) = (0_u32, 0_u32);

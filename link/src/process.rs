@@ -15,6 +15,7 @@ use std::os::fd::AsFd;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering as AtomicOrdering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -24,7 +25,7 @@ const MOST_LAST_WORDS: usize = 4 << 10;
 /// Lines of it that are told.
 const MOST_LAST_LINES: usize = 12;
 
-/// Lines of standard error that are passed on of a process, and bytes of each.
+/// Lines of standard error that are passed on of all processes together, however many runs start some, and bytes of each.
 const MOST_PASSED_LINES: usize = 1_000;
 const MOST_PASSED_BYTES: usize = 2_000;
 
@@ -96,13 +97,15 @@ pub struct Process {
     ended: Option<ExitStatus>,
 }
 
+/// Lines that were passed on.
+static PASSED_LINES: AtomicUsize = AtomicUsize::new(0);
+
 /// Lines of standard error on their way.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct PassedOn {
     name: String,
     /// A line that has not ended.
     begun: Vec<u8>,
-    lines: usize,
 }
 
 impl PassedOn {
@@ -118,14 +121,14 @@ impl PassedOn {
     }
 
     fn end_line(&mut self) {
-        self.lines += 1;
-        let text = match self.lines.cmp(&MOST_PASSED_LINES) {
+        let number = PASSED_LINES.fetch_add(1, AtomicOrdering::Relaxed) + 1;
+        let text = match number.cmp(&MOST_PASSED_LINES) {
             Ordering::Less => visible(&String::from_utf8_lossy(&self.begun)).into_owned(),
-            Ordering::Equal => "it writes more, which is left out".to_string(),
+            Ordering::Equal => "what modules write from here on is left out".to_string(),
             Ordering::Greater => String::new(),
         };
         self.begun.clear();
-        if self.lines <= MOST_PASSED_LINES {
+        if number <= MOST_PASSED_LINES {
             // A status line may stand there. Nobody listens if this fails.
             let clear = if io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
             writeln!(io::stderr(), "{clear}{}: {text}", self.name).ok();
@@ -178,7 +181,7 @@ impl Process {
 
     /// What it has written and writes to standard error is written to that of this process too, under a name.
     pub fn pass_errors_on(&mut self, name: &str) {
-        let mut passes_on = PassedOn { name: name.to_string(), ..PassedOn::default() };
+        let mut passes_on = PassedOn { name: name.to_string(), begun: Vec::new() };
         passes_on.take(&self.last_words);
         self.passes_on = Some(passes_on);
     }

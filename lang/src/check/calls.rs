@@ -4,6 +4,7 @@
 use super::infix;
 use super::kinds::{Found, found_in};
 use super::known::Check;
+use super::unknown_places::takes_place;
 use super::walk::each_form;
 use crate::code::{Atom, Constant, GlobalKind, Parameters};
 use crate::compile::ir::{Callee, Ir, IrKind};
@@ -11,6 +12,7 @@ use crate::diagnostic::Diagnostic;
 use crate::number::unit_names;
 use crate::source::Span;
 use crate::suggest::suggest;
+use std::collections::BTreeSet;
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {
@@ -32,7 +34,11 @@ fn global_call(check: &Check<'_>, global: u32, arguments: &[Ir], span: Span, fou
     let name = check.global_name(global);
     let what = match check.kind(global) {
         GlobalKind::Function(_) => {
-            if let Some(known) = check.known(global) {
+            if let Some(at) = number_for_place(check, global, arguments) {
+                let message = format!("`{name}` takes the name of a place here, and this is a number");
+                let warning = check.warning("wrong-kind", arguments[at].span, message, "not a place");
+                found.push(warning.help("to drive to coordinates write `(go-to-point X Y)`"));
+            } else if let Some(known) = check.known(global) {
                 keywords(check, name, &known.function.parameters, arguments, span, found);
             }
             return;
@@ -92,6 +98,12 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
     keywords(check, name, &function.parameters, arguments, span, found);
 }
 
+/// The first number that stands where a place is taken.
+fn number_for_place(check: &Check<'_>, global: u32, arguments: &[Ir]) -> Option<usize> {
+    let takes_place = |at: usize| takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new());
+    (0..arguments.len()).find(|&at| is_number(check, &arguments[at]) && takes_place(at))
+}
+
 fn is_number(check: &Check<'_>, ir: &Ir) -> bool {
     matches!(found_in(check, ir), Some(Found::Integer | Found::Float))
 }
@@ -107,11 +119,6 @@ fn keywords(
 ) {
     let positional = usize::from(parameters.required) + usize::from(parameters.optional);
     if parameters.keys.is_empty() || parameters.rest || arguments.len() <= positional {
-        return;
-    }
-    if name == "go-to" && is_number(check, &arguments[0]) {
-        let warning = check.warning("wrong-kind", span, "`go-to` takes the name of a place", "not a place");
-        found.push(warning.help("to drive to coordinates write `(go-to-point X Y)`"));
         return;
     }
     let known: Vec<&str> = parameters.keys.iter().map(|&key| check.name(key)).collect();

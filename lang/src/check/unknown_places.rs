@@ -39,7 +39,7 @@ fn unknown_place(check: &Check<'_>, known: &KnownPlaces, name: &str, span: Span)
 
 /// Whether what is called takes a place at a position: a native function that says so, or a function
 /// of the library that hands it on to one.
-fn takes_place(check: &Check<'_>, callee: &Callee, at: usize, seen: &mut BTreeSet<(u32, usize)>) -> bool {
+pub(super) fn takes_place(check: &Check<'_>, callee: &Callee, at: usize, seen: &mut BTreeSet<(u32, usize)>) -> bool {
     match callee {
         Callee::Native(native) => kind_of(&check.subject.natives[usize::from(*native)], at) == Kind::Place,
         Callee::Global(global) => {

@@ -8,7 +8,7 @@ use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::{Diagnostic, NOT_OF_THE_FORM};
-use crate::infix::infix_in;
+use crate::infix::{beginning, infix_in};
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
@@ -228,7 +228,7 @@ impl<'a> Compiler<'a> {
             false => infix.advice(),
         });
         let branches = "`(seq FORM...)` makes one form of several, and `cond` has several branches";
-        let has_else = || self.program.sources.text_of(span).split_whitespace().any(|word| word == "else");
+        let has_else = || beginning(&self.program.sources, span).split_whitespace().any(|word| word == "else");
         let help = help.or_else(|| match form {
             _ if form.starts_with("`(if ") && has_else() => {
                 Some("`if` has no word `else`: the third part is what is done otherwise".to_string())

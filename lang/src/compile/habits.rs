@@ -18,7 +18,8 @@ impl Compiler<'_> {
             return Some(format!("the colon of a keyword stands first: `:{name}`"));
         }
         if let Some((name, value)) = text.split_once('=')
-            && !name.is_empty()
+            && name.starts_with(char::is_alphabetic)
+            && name.chars().all(|c| c.is_alphanumeric() || c == '-')
             && !value.is_empty()
         {
             return Some(format!("a keyword and its value are two words: `:{name} {value}`"));

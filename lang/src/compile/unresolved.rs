@@ -8,7 +8,7 @@ use super::goals::GOAL_PREFIX;
 use super::locals::Surrounding;
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;
-use crate::infix::infix_in;
+use crate::infix::{beginning, infix_in};
 use crate::name_places::{NamePlaces, find_name};
 use crate::number::begins_like_number;
 use crate::number::unit_names;
@@ -344,7 +344,7 @@ impl Compiler<'_> {
 impl Compiler<'_> {
     /// Advice on a call that names its arguments, of something that takes them by their places.
     fn keywords_for_places(&self, expected: &str, call: Span) -> Option<String> {
-        let text = self.program.sources.text_of(call);
+        let text = beginning(&self.program.sources, call);
         let is_named = text.contains(" :") && !expected.contains(':');
         is_named.then(|| "its parameters have no keywords: the values stand alone, in their order".to_string())
     }
