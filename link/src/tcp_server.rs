@@ -33,6 +33,7 @@ use rpl_robot::simulator::Percept;
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -232,11 +233,13 @@ impl<H: Host> Server<'_, H> {
     ) {
         let (percepts, to_write) = bounded(self.service.most_unsent());
         let (_, line) = self.service.times();
-        let writing = stream.clone();
-        let writer = thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write));
+        let who = Who { address, mission: said.mission };
+        let mission = Mission::new(connection, percepts, stream, who, at);
+        let (writing, is_leaving) = (mission.stream.clone(), mission.is_leaving.clone());
+        let writer = thread::Builder::new().spawn(move || write_percepts(&writing, line, &to_write, &is_leaving));
         if let Err(error) = writer {
             let why = format!("{address} cannot be spoken to: {error}");
-            return self.door.refuse(&stream, why, self.tell);
+            return self.door.refuse(&mission.stream, why, self.tell);
         }
         let hello = HostHello {
             protocol: PROTOCOL,
@@ -245,10 +248,9 @@ impl<H: Host> Server<'_, H> {
             factor: self.service.factor,
             start_known: self.service.start_known && self.percept.is_none(),
         };
-        percepts.try_send(written(&FromHost::Hello(hello))).ok();
-        let who = Who { address, mission: said.mission };
-        (self.tell)(Notice::Came(who.clone()));
-        self.mission = Some(Mission::new(connection, percepts, stream, who, at));
+        mission.percepts.try_send(written(&FromHost::Hello(hello))).ok();
+        (self.tell)(Notice::Came(mission.who.clone()));
+        self.mission = Some(mission);
     }
 
     fn command(&mut self, commands: CommandsMessage, at: Instant) {
@@ -284,8 +286,9 @@ impl<H: Host> Server<'_, H> {
             self.guard.line_closed();
         }
         let bye = written(&FromHost::Bye(Bye { reason: why.clone() }));
-        // The writer says what is left to say, if it is heard; the reader need not wait for more.
-        let is_heard = mission.percepts.len() <= 1 && mission.percepts.try_send(bye).is_ok();
+        // The writer says what is left to say, if it is heard soon; the reader need not wait for more.
+        mission.is_leaving.store(true, Ordering::Relaxed);
+        let is_heard = mission.percepts.try_send(bye).is_ok();
         mission.stream.shutdown(if is_heard { Shutdown::Read } else { Shutdown::Both }).ok();
         (self.tell)(Notice::Went(why.unwrap_or_else(|| "the host has ended".to_string())));
     }

@@ -4,6 +4,7 @@ use crate::message_lines::{MessageLines, ReadLine, write_line};
 use crossbeam::channel::{Receiver, Sender};
 use rpl_protocol::host::{CommandsMessage, MissionHello, ToHost, read};
 use std::net::{Shutdown, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What comes from those who are connected.
@@ -46,9 +47,18 @@ pub(super) fn read_commands(
     events.send((connection, Event::Closed(why))).ok();
 }
 
-/// Writes lines, each within a time.
-pub(super) fn write_percepts(stream: &TcpStream, within: Duration, lines: &Receiver<String>) {
-    // A line that cannot be written is the last: the reader of the mission sees that it is gone.
-    lines.iter().try_for_each(|line| write_line(stream, &line, within)).ok();
+/// Writes lines, each within a time; once the mission is leaving, all that are left within that time.
+pub(super) fn write_percepts(stream: &TcpStream, within: Duration, lines: &Receiver<String>, is_leaving: &AtomicBool) {
+    let mut end_by: Option<Instant> = None;
+    for line in lines {
+        if is_leaving.load(Ordering::Relaxed) {
+            end_by.get_or_insert_with(|| Instant::now() + within);
+        }
+        let left = end_by.map_or(within, |by| by.saturating_duration_since(Instant::now()));
+        // A line that cannot be written is the last: the reader of the mission sees that it is gone.
+        if write_line(stream, &line, left).is_err() {
+            break;
+        }
+    }
     stream.shutdown(Shutdown::Both).ok();
 }

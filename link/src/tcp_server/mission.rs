@@ -8,6 +8,7 @@ use rpl_robot::simulator::{Commands, GripperCommand, Percept};
 use std::collections::VecDeque;
 use std::net::TcpStream;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Percepts whose commands are waited for, to tell how long they took.
@@ -18,6 +19,8 @@ pub(super) struct Mission {
     /// By which its events are told from those of an earlier one.
     pub connection: u64,
     pub percepts: Sender<String>,
+    /// Whether what is handed to `percepts` has to be written soon, or not at all.
+    pub is_leaving: Arc<AtomicBool>,
     pub stream: Arc<TcpStream>,
     pub who: Who,
     pub since: Instant,
@@ -40,6 +43,7 @@ impl Mission {
         Self {
             connection,
             percepts,
+            is_leaving: Arc::default(),
             stream,
             who,
             since,
