@@ -12,14 +12,13 @@ use super::request::ExperimentRequest;
 use super::runs_file::RunsFile;
 use super::seeds::{Seeds, run_in_order};
 use anyhow::{Context, Result, bail};
-use indicatif::ProgressBar;
 use rpl_shell::files::outputs::OutputFolder;
 use rpl_shell::files::shown::Shown;
 use rpl_shell::interrupt;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use rpl_shell::terminal::page::Block;
-use rpl_shell::terminal::progress;
+use rpl_shell::terminal::progress::Runs;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -162,14 +161,14 @@ fn drive(
         ends.get_or_insert_with(interrupt::ends_experiment);
         sink.next_series(&**kind)?;
         let driver = kind.clone();
-        let bar = progress::runs(seeds.numbers.end - seeds.numbers.start, name, console);
+        let mut progress = Runs::new(seeds.numbers.end - seeds.numbers.start, name, console);
         let one = move |run: Run| driver.run(series, &ground, run);
         is_whole = run_in_order(&seeds, kind.jobs(request.jobs), one, |run, record: Result<AnyRecord>| {
-            bar.inc(1);
+            progress.one_more(console);
             done += 1;
             sink.take(&**kind, name, run, record?)
         })?;
-        bar.finish_and_clear();
+        progress.end();
     }
     if !is_whole {
         console.note(&format!("interrupted: {done} of {all} runs are done"));
@@ -186,12 +185,12 @@ fn read(kind: &dyn AnyKind, parts: &mut Parts, sink: &mut Sink, console: &mut Co
     let missing = parts.missing(&names);
     for (series, name) in names.iter().enumerate() {
         sink.next_series(kind)?;
-        let bar: ProgressBar = progress::runs(parts.count(series), name, console);
+        let mut progress = Runs::new(parts.count(series), name, console);
         parts.read(series, kind, |run, record| {
-            bar.inc(1);
+            progress.one_more(console);
             sink.take(kind, name, run, record)
         })?;
-        bar.finish_and_clear();
+        progress.end();
     }
     match sink {
         // What is put together further lacks something by its nature.

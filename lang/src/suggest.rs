@@ -9,8 +9,8 @@ pub fn suggest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&
     known
         .filter(|candidate| *candidate != name && candidate.chars().count().abs_diff(length) <= bound)
         .map(|candidate| (strsim::osa_distance(name, candidate), candidate))
-        // A distance as long as the name shares nothing with it.
-        .filter(|&(distance, _)| distance <= bound && distance < length)
+        // A distance as long as the name shares nothing with it; `x*` is no `*`.
+        .filter(|&(distance, near)| distance <= bound && distance < length.min(near.chars().count()))
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
 }
@@ -29,6 +29,7 @@ mod tests {
         assert_eq!(near("sqe"), Some("seq"));
         assert_eq!(near("navigate"), None);
         assert_eq!(near("x"), None);
+        assert_eq!(suggest("x*", ["*"].into_iter()), None);
         assert_eq!(near(""), None);
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::error::SiteError;
 use crate::modules::{self, own_modules};
-use rpl_lang::compile::{Names, NoFiles, special_forms};
+use rpl_lang::compile::{Names, NamesElsewhere, NoFiles, TextKind, special_forms};
 use rpl_robot::office::{self, Composition, Module, PlanText};
 use rpl_runtime::robot::RobotTables;
 use rpl_runtime::run::library::{Library, Loaded};
@@ -64,7 +64,9 @@ pub fn robot_library<M: Module>(modules: &Composition<M>, own: Vec<Native>) -> R
 /// # Errors
 /// The prelude does not compile.
 pub fn scenario_library() -> Result<Arc<Library>, SiteError> {
-    Ok(Arc::new(compile([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[])?))
+    let library = compile([base_natives(), office::oracle_natives()].concat(), office::oracle_tables(), &[])?;
+    let of_plans = NamesElsewhere { kind: TextKind::Plan, names: own_modules().robot_names() };
+    Ok(Arc::new(library.refusing_names(of_plans)))
 }
 
 fn plan_library(
@@ -85,7 +87,8 @@ fn plan_library(
         return Err(SiteError::NativeTaken(name));
     }
     let library = library.knowing_robot_names(robot_names);
-    Ok(Arc::new(library.refusing_scenario_names(&office::scenario_names())))
+    let of_scenarios = NamesElsewhere { kind: TextKind::Scenario, names: office::scenario_names() };
+    Ok(Arc::new(library.refusing_names(of_scenarios)))
 }
 
 /// Whether a name has a meaning in a library.

@@ -273,6 +273,10 @@ impl<M: Module> Outside for Robot<M> {
         self.outside().next_event_us(stepped_us)
     }
 
+    fn charge_permille(&self) -> Option<u16> {
+        self.outside().charge_permille()
+    }
+
     fn renew(&mut self, outbox: &mut Outbox) -> bool {
         self.outside_mut().renew(outbox)
     }

@@ -37,6 +37,7 @@ use rpl_shell::arguments::site::SiteArguments;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
 use rpl_shell::terminal::layout;
+use std::error::Error as _;
 
 /// Run, check and debug robot plans
 #[derive(Parser, Debug)]
@@ -135,6 +136,18 @@ pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
     if error.kind() == clap::error::ErrorKind::UnknownArgument {
         // That what looks like an option may be a value helps nobody who has misspelt one.
         error.remove(ContextKind::Suggested);
+        if let Some(meant) = option_meant(&error) {
+            error.insert(ContextKind::SuggestedArg, ContextValue::String(meant.to_string()));
+        }
+        return error;
+    }
+    if error.kind() == clap::error::ErrorKind::ValueValidation
+        && error.source().is_some_and(|source| source.is::<std::num::ParseIntError>())
+    {
+        let said = |kind| error.get(kind).map(ContextValue::to_string).unwrap_or_default();
+        let (option, value) = (said(ContextKind::InvalidArg), said(ContextKind::InvalidValue));
+        let message = format!("`{value}` is no value of `{option}`: write a whole number, such as 7\n");
+        return clap::Error::raw(clap::error::ErrorKind::ValueValidation, message);
     }
     let is_known = error.get(ContextKind::SuggestedSubcommand).is_some();
     let typed = match error.get(ContextKind::InvalidSubcommand) {
@@ -152,6 +165,31 @@ pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
         error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![meant.to_string()]));
     }
     error
+}
+
+/// Options that other programs have, and what they are called here.
+const FOREIGN_OPTIONS: &[(&[&str], &str)] = &[
+    (&["--time", "--duration", "--max-time", "--timeout", "--limit"], "--until"),
+    (&["--output", "--out", "--log"], "--trace"),
+    (&["--gui", "--view", "--show", "--visualize", "--web"], "--live"),
+    (&["--map", "--env", "--environment", "--building"], "--world"),
+    (&["--param", "--define", "--arg"], "--set"),
+    (&["--repeat", "--trials", "--count", "--n"], "--runs"),
+    (&["--random-seed", "--rng"], "--seed"),
+];
+
+/// The option that was probably meant by one that other programs have, if the command has it.
+fn option_meant(error: &clap::Error) -> Option<&'static str> {
+    if error.get(ContextKind::SuggestedArg).is_some() {
+        return None;
+    }
+    let typed = error.get(ContextKind::InvalidArg)?.to_string();
+    let usage = error.get(ContextKind::Usage)?.to_string();
+    let (_, meant) = FOREIGN_OPTIONS.iter().find(|(names, _)| names.contains(&typed.as_str()))?;
+    let command = usage.split_whitespace().skip_while(|&word| word != "rpl").nth(1)?;
+    let commands = CommandLine::command();
+    let command = commands.find_subcommand(command)?;
+    command.get_arguments().any(|argument| argument.get_long() == meant.strip_prefix("--")).then_some(meant)
 }
 
 #[cfg(test)]

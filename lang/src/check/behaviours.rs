@@ -25,6 +25,7 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             fluents.for_each(|fluent| robot_fluent(check, fluent, ir.span, found));
         }
         "%fail" => slots(check, first, rest, ir.span, found),
+        "failure-slot" => asked_slot(check, rest, found),
         _ => {}
     }
 }
@@ -71,4 +72,22 @@ fn slots(check: &Check<'_>, class: &Ir, rest: &[Ir], span: Span, found: &mut Vec
             None => warning.help(format!("add it where the class is defined: `(def-failure {class} (…) ({slot}))`")),
         });
     }
+}
+
+/// A slot that no class of failures has.
+fn asked_slot(check: &Check<'_>, rest: &[Ir], found: &mut Vec<Diagnostic>) {
+    let Some(asked) = rest.first() else { return };
+    let Some(symbol) = check.quoted(asked).or_else(|| check.keyword(asked)) else { return };
+    let classes = &check.subject.program.failure_classes;
+    if classes.values().any(|class| class.slots.contains(&symbol)) {
+        return;
+    }
+    let known: Vec<&str> = classes.values().flat_map(|class| &class.slots).map(|&slot| check.name(slot)).collect();
+    let slot = check.name(symbol);
+    let message = format!("no class of failures has a slot `{slot}`: this is always nil");
+    let warning = check.warning("unknown-slot", asked.span, message, "unknown slot");
+    found.push(match suggest(slot, known.into_iter()) {
+        Some(near) => warning.help(format!("did you mean `{near}`?")),
+        None => warning.help("`rpl doc failures` has the classes and their slots"),
+    });
 }

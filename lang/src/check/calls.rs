@@ -6,7 +6,7 @@ use super::kinds::{Found, found_in};
 use super::known::Check;
 use super::unknown_places::takes_place;
 use super::walk::each_form;
-use crate::code::{Atom, Constant, GlobalKind, Parameters};
+use crate::code::{Atom, CodeKind, Constant, GlobalKind, Parameters};
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::number::unit_names;
@@ -84,6 +84,11 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
             }
         });
     }
+    if name.is_none() && is_done(check, value) {
+        let message = format!("this calls the value of `{}`", check.shown(value));
+        let warning = check.warning("wrong-call", span, message, "cannot be called");
+        found.push(warning.help("forms that are done one after the other are one form by `(seq FORM...)`"));
+    }
     let name = name.unwrap_or("this function");
     let IrKind::Lambda(function) = &value.kind else { return };
     if !function.parameters.accepts(arguments.len()) {
@@ -96,6 +101,18 @@ fn value_call(check: &Check<'_>, value: &Ir, arguments: &[Ir], span: Span, found
         found.push(warning.related(defined, "defined here"));
     }
     keywords(check, name, &function.parameters, arguments, span, found);
+}
+
+/// Whether a form is something to be done, and gives no function.
+fn is_done(check: &Check<'_>, ir: &Ir) -> bool {
+    match &ir.kind {
+        IrKind::Call(Callee::Global(global), _) => {
+            check.known(*global).is_some_and(|known| known.function.kind == CodeKind::Plan)
+        }
+        IrKind::Call(Callee::Native(native), _) => check.subject.natives[usize::from(*native)].effect,
+        IrKind::Construct(_) | IrKind::Spawn(_) | IrKind::WaitFor { .. } | IrKind::SetGlobal(..) => true,
+        _ => false,
+    }
 }
 
 /// The first number that stands where a place is taken.

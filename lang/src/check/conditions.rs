@@ -21,11 +21,16 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {
         each_form(root, &mut |ir| {
             let (IrKind::WaitFor { fluent, .. } | IrKind::Whenever { fluent, .. }) = &ir.kind else { return };
-            let IrKind::Network(network) = &fluent.kind else { return };
-            if lies_in(network.span, ir.span) && !globals.can_change(check, &network.body) {
-                let asks_for_time = mentions_now(check, &network.body);
-                let message = "this condition reads no fluent, so nothing wakes who waits for it";
-                let warning = check.warning("condition-never-changes", network.span, message, "never changes");
+            let condition = match &fluent.kind {
+                IrKind::Network(network) => &network.body,
+                IrKind::Global(_) => fluent,
+                _ => return,
+            };
+            let place = check.narrowed(ir.span, fluent);
+            if lies_in(place, ir.span) && !globals.can_change(check, condition) {
+                let asks_for_time = mentions_now(check, condition);
+                let message = "this condition reads no fluent: a task that waits for it is never woken";
+                let warning = check.warning("condition-never-changes", place, message, "never changes");
                 found.push(warning.help(match asks_for_time {
                     true => "to wait for a time, write `(at-time SECONDS)` or `(wait-time SECONDS)`",
                     false => {

@@ -33,6 +33,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {
         each_form(root, &mut |ir| loops.extend(is_endless(check, ir).then_some(ir.span)));
     }
+    found.extend(check.own_functions().filter_map(|(global, function)| endless_recursion(check, global, function)));
     // A loop around an endless one has no fault of its own, nor has one the policy is told for.
     let is_outer = |span: Span| loops.iter().any(|&inner| inner != span && lies_in(inner, span));
     let is_told = |span: Span| policies.iter().any(|&policy| lies_in(span, policy));
@@ -224,4 +225,15 @@ fn endless_loop(check: &Check<'_>, span: Span) -> Diagnostic {
     check
         .warning("endless-loop", span, "this loop never waits and never ends", "runs until it fails with `runaway`")
         .help("wait in it (`wait-for`, `wait-time`), or leave it (`until`, `while`, `return`)")
+}
+
+/// A function that comes to an end only by calls of itself, and waits for nothing.
+fn endless_recursion(check: &Check<'_>, global: u32, function: &Function) -> Option<Diagnostic> {
+    let ends_alone = Flow::without(check, global).completes(&function.body);
+    if ends_alone || !Flow::new(check).completes(&function.body) || may_wait_or_fail(check, &function.body) {
+        return None;
+    }
+    let message = format!("`{}` always calls itself, and never waits", check.global_name(global));
+    let warning = check.warning("endless-loop", function.span, message, "runs until it fails with `runaway`");
+    Some(warning.help("one way through it has to end without a call of it: `(if TEST VALUE (…))`"))
 }

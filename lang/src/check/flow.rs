@@ -74,6 +74,8 @@ pub(super) struct Flow<'c, 'a> {
     unreachable: Vec<(&'c Ir, &'c Ir)>,
     /// Clauses no failure comes to: class, what takes it and where, place.
     covered: Vec<(&'a str, (&'a str, Span), Span)>,
+    /// A function whose calls are taken not to come to an end.
+    without: Option<u32>,
 }
 
 impl<'c, 'a> Flow<'c, 'a> {
@@ -85,7 +87,13 @@ impl<'c, 'a> Flow<'c, 'a> {
             tokens: BTreeMap::new(),
             unreachable: Vec::new(),
             covered: Vec::new(),
+            without: None,
         }
+    }
+
+    /// One that takes calls of a function not to come to an end.
+    pub(super) fn without(check: &'c Check<'a>, function: u32) -> Self {
+        Self { without: Some(function), ..Self::new(check) }
     }
 
     /// Whether a form that was looked at leaves a block around it.
@@ -257,7 +265,7 @@ impl<'c, 'a> Flow<'c, 'a> {
             Callee::Native(native) => {
                 !matches!(self.check.subject.natives[usize::from(*native)].name.as_str(), "%fail" | "fail-composite")
             }
-            Callee::Global(global) => self.function_completes(*global),
+            Callee::Global(global) => self.without != Some(*global) && self.function_completes(*global),
             Callee::Value(_) => true,
         }
     }

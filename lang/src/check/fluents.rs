@@ -1,6 +1,6 @@
 //! Fluents taken for their values, and what is asked of a task's state.
 
-use super::kinds::kind_of;
+use super::kinds::{kind_of, kind_of_parameter};
 use super::known::Check;
 use super::walk::each_form;
 use crate::code::GlobalKind;
@@ -34,14 +34,18 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         IrKind::Call(Callee::Native(native), arguments) => {
             let name = check.native_call(ir).map_or("", |(name, _)| name);
             let signature = &check.subject.natives[usize::from(*native)];
-            let wants_number =
-                |at| matches!(kind_of(signature, at), Kind::Number | Kind::Integer | Kind::Seconds | Kind::Angle);
+            let wants_number = |at| is_number(kind_of(signature, at));
             let numbers = arguments.iter().enumerate().filter(|&(at, _)| wants_number(at));
             computed_with(check, ir, numbers.map(|(_, argument)| argument), found);
             if let ("equal", [left, right]) = (name, arguments.as_slice()) {
                 compared(check, left, right, found);
                 compared(check, right, left, found);
             }
+        }
+        IrKind::Call(Callee::Global(global), arguments) => {
+            let wants_number = |at| is_number(kind_of_parameter(check, *global, at));
+            let numbers = arguments.iter().enumerate().filter(|&(at, _)| wants_number(at));
+            computed_with(check, ir, numbers.map(|(_, argument)| argument), found);
         }
         IrKind::If(condition, ..) | IrKind::Unary(Unary::Not, condition) => tested(check, ir, condition, found),
         IrKind::And(items) | IrKind::Or(items) => {
@@ -50,6 +54,10 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         }
         _ => {}
     }
+}
+
+fn is_number(kind: Kind) -> bool {
+    matches!(kind, Kind::Number | Kind::Integer | Kind::Seconds | Kind::Angle)
 }
 
 fn computed_with<'i>(

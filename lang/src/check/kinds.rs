@@ -1,14 +1,21 @@
 //! Arguments that are not of the kind their place takes: a string for a number, a function for a task.
 
 use super::known::Check;
+use super::places::lies_in;
+use super::unknown_places::takes_place;
 use super::walk::{each_form, each_form_within};
-use crate::code::{Atom, CodeKind, Constant, GlobalKind, Part};
+use crate::code::{Atom, CodeKind, Constant, GlobalKind, Parameters, Part};
 use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
+use crate::lexer::Token;
 use crate::source::Span;
+use crate::suggest::suggest;
 use std::collections::BTreeSet;
+
+/// Functions that a macro may hand one argument to.
+const MOST_OF_A_MACRO: usize = 8;
 
 /// What a form visibly stands for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -146,6 +153,14 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             look(name, Kind::Number, left);
             look(name, Kind::Number, right);
         }
+        IrKind::Call(Callee::Global(global), arguments) if is_library(check, *global) => {
+            let name = check.global_name(*global);
+            for (at, argument) in arguments.iter().enumerate() {
+                if !matches!(argument.kind, IrKind::Nil) {
+                    look(name, kind_of_parameter(check, *global, at), argument);
+                }
+            }
+        }
         IrKind::Unary(Unary::Car, list) => look("car", Kind::List, list),
         IrKind::Unary(Unary::Cdr, list) => look("cdr", Kind::List, list),
         IrKind::Call(Callee::Native(native), arguments) => {
@@ -170,6 +185,26 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
 /// The kind of argument a native function takes at a position.
 pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
     signature.kinds.get(at).copied().or(signature.rest).unwrap_or(Kind::Any)
+}
+
+/// The kind of argument a function of the library takes at a position, as far as its parameter says.
+pub(super) fn kind_of_parameter(check: &Check<'_>, global: u32, at: usize) -> Kind {
+    let kind = || check.parameter_name(global, at).and_then(Kind::of_parameter).unwrap_or(Kind::Any);
+    let is_by_position = |parameters: &Parameters| at < usize::from(parameters.required + parameters.optional);
+    if !is_library(check, global)
+        || !check.known(global).is_some_and(|known| is_by_position(&known.function.parameters))
+    {
+        return Kind::Any;
+    }
+    match takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new()) {
+        // A number is told of as such.
+        true => Kind::Any,
+        false => kind(),
+    }
+}
+
+fn is_library(check: &Check<'_>, global: u32) -> bool {
+    global < check.subject.program.library_globals
 }
 
 /// What a form visibly stands for; none if it may be anything.
@@ -219,19 +254,67 @@ fn seconds_that_act(check: &Check<'_>, seconds: &Ir) -> Option<Diagnostic> {
 }
 
 fn wrong_kind(check: &Check<'_>, form: &str, kind: Kind, around: Span, ir: &Ir, warnings: &mut Vec<Diagnostic>) {
+    let ir = bound_within(check, ir, around);
     let Some(found) = found_in(check, ir).filter(|found| !found.may_be(kind)) else { return };
     let place = check.narrowed(around, ir);
+    // A macro hands an argument to several functions.
+    let is_told = |told: &Diagnostic| told.code == "wrong-kind" && told.span == place;
+    if warnings.iter().rev().take(MOST_OF_A_MACRO).any(is_told) {
+        return;
+    }
+    let form = &written_head(check, form, around);
+    let text = match ir.kind {
+        IrKind::Const(constant) => match check.constant(constant) {
+            Constant::Atom(Atom::Str(text)) => Some(format!("{text:?}")),
+            _ => None,
+        },
+        _ => None,
+    };
     let shown = match check.quoted(ir) {
+        _ if text.is_some() => text.unwrap_or_default(),
         Some(symbol) => format!("'{}", check.name(symbol)),
         None => check.shown(ir),
     };
-    let form = if form.contains(' ') { form.to_string() } else { format!("`{form}`") };
+    let form = if form.contains(' ') { form.clone() } else { format!("`{form}`") };
     let message = format!("{form} wants {}, and `{shown}` is {}", kind.noun(), found.noun());
     let warning = check.warning("wrong-kind", place, message, format!("not {}", kind.noun()));
     warnings.push(match advice(check, &form, kind, found, ir) {
         Some(advice) => warning.help(advice),
         None => warning,
     });
+}
+
+/// What a macro has bound to a variable within a form; other values stand for themselves.
+fn bound_within<'i>(check: &'i Check<'_>, ir: &'i Ir, form: Span) -> &'i Ir {
+    let IrKind::Local(variable) = ir.kind else { return ir };
+    check.bindings().constant(variable).filter(|value| lies_in(value.span, form)).unwrap_or(ir)
+}
+
+/// The function that a form of the text begins with, or the macro that stands for it there.
+fn written_head(check: &Check<'_>, function: &str, form: Span) -> String {
+    let text = check.subject.program.sources.text_of(form);
+    let head = text.strip_prefix('(').and_then(|text| text.split(|c: char| c.is_whitespace() || c == ')').next());
+    let is_macro = |head: &&str| {
+        let name = check.subject.symbols.find(head);
+        name.is_some_and(|name| check.subject.program.macros.contains_key(&name))
+    };
+    head.filter(is_macro).unwrap_or(function).to_string()
+}
+
+/// Advice on what stands where a task is taken: a task of the text that has the name for a tag, or nearly.
+fn tag_advice(check: &Check<'_>, ir: &Ir, name: &str) -> String {
+    let tokens = check.tokens(ir.span.source);
+    let text_of = |span: Span| check.subject.program.sources.text_of(span);
+    let tags: Vec<&str> = tokens
+        .windows(2)
+        .filter(|pair| pair[0].0 == Token::Keyword && text_of(pair[0].1) == ":tag" && pair[1].0 == Token::Symbol)
+        .map(|pair| text_of(pair[1].1))
+        .collect();
+    match suggest(name, tags.iter().copied()) {
+        _ if tags.contains(&name) => format!("the task with this tag is `{name}`, without the quote"),
+        Some(near) => format!("did you mean the task with the tag `{near}`? It stands without the quote"),
+        None => format!("`(:tag {name} FORM...)` gives a task this name; it stands without the quote"),
+    }
 }
 
 fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
@@ -241,21 +324,23 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
             let Constant::Atom(Atom::Str(text)) = check.constant(constant) else { return None };
             time_in_string(text).map(|number| format!("write `{number}`, without quotes"))
         }
+        (Kind::Task, Found::Symbol) => Some(tag_advice(check, ir, check.name(check.quoted(ir)?))),
         (_, Found::Symbol) => {
             let name = check.name(check.quoted(ir)?);
             let is_defined = check.subject.symbols.find(name).is_some_and(|symbol| {
                 check.subject.program.names.contains_key(&symbol) || check.natives.contains_key(name)
             });
-            let is_thing = matches!(kind, Kind::Valve | Kind::Fluent | Kind::Task | Kind::Behaviour | Kind::Function);
+            let is_thing = matches!(kind, Kind::Valve | Kind::Fluent | Kind::Behaviour | Kind::Function);
             if is_defined {
                 return Some(format!("without the quote `{name}` is the thing itself"));
             }
             if is_thing {
-                return Some(format!(
-                    "without the quote it is the valve, the variable or the tag `{name}`, if there is one"
-                ));
+                return Some(format!("without the quote it is {} `{name}`, if there is one", kind.noun()));
             }
             matches!(form, "`=`" | "`/=`").then(|| "`eq` compares symbols".to_string())
+        }
+        (Kind::Behaviour, Found::Function) => {
+            Some(format!("a plan is called, and starts its behaviours itself: `({} …)`", check.shown(ir)))
         }
         (_, Found::Function) => {
             let name = check.shown(ir);
@@ -271,6 +356,12 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
         }
         (Kind::Behaviour | Kind::Valve | Kind::Fluent | Kind::Task, Found::Text) => {
             Some("a name stands there without quotation marks".into())
+        }
+        (Kind::Valve, Found::Behaviour) => {
+            let IrKind::Global(global) = ir.kind else { return None };
+            let GlobalKind::Behaviour(number) = *check.kind(global) else { return None };
+            let valve = check.subject.behaviours.get(usize::from(number))?.valve.as_ref()?;
+            Some(format!("the behaviour `{}` is moved by whoever has the valve `{valve}`", check.shown(ir)))
         }
         (Kind::Valve, _) => Some("a valve is defined by `(def-valve NAME)`".into()),
         (_, Found::Fluent) => Some(format!("its value is `(value {})`", check.shown(ir))),

@@ -127,6 +127,21 @@ impl<'a> Check<'a> {
         &self.bindings[self.bindings.len() - 1]
     }
 
+    /// The functions that the text defines, by global.
+    pub(super) fn own_functions(&self) -> impl Iterator<Item = (u32, &'a Function)> {
+        let own = self.subject.library.len();
+        let functions = self.functions.iter().filter(move |&(_, &(_, text))| text == own);
+        functions.map(|(&global, &(function, _))| (global, function))
+    }
+
+    /// The name of a parameter of a function, by its position.
+    pub(super) fn parameter_name(&self, global: u32, at: usize) -> Option<&'a str> {
+        let &(function, text) = self.functions.get(&global)?;
+        let text = self.subject.library.get(text).unwrap_or(self.subject.text);
+        let variable = function.bindings.get(at)?.variable;
+        Some(self.name(text.variables[variable.0 as usize].name))
+    }
+
     /// Every function of the text that stands at the top: definitions, forms, tests.
     pub(super) fn roots(&self) -> impl Iterator<Item = &'a Function> + use<'a> {
         let definitions = self.subject.text.definitions.iter().filter_map(|definition| match &definition.defined {

@@ -1,4 +1,5 @@
-//! Policies that soon end and keep nothing: they only wait, or ask their condition once.
+//! Policies that soon end and keep nothing: they only wait, or ask their condition once. Reactions beside work in a
+//! form that waits for both.
 
 use super::effects::policy_never_waits;
 use super::flow::Flow;
@@ -6,6 +7,7 @@ use super::known::Check;
 use super::places::brief;
 use super::unused::is_idle;
 use super::walk::{each_form, each_form_within};
+use crate::code::Successes;
 use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -19,6 +21,7 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
             let policy = construct.policy().map(|policy| &policy.body);
             let ends = || policy.and_then(|policy| policy_that_ends(check, policy));
             found.extend(in_the_wrong_order(check, construct).or_else(ends));
+            found.extend(policy_beside(check, construct, ir.span));
         });
     }
 }
@@ -27,10 +30,6 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
 fn in_the_wrong_order(check: &Check<'_>, construct: &ConstructIr) -> Option<Diagnostic> {
     let policy = &construct.policy()?.body;
     let body = &construct.children.last()?.body;
-    let is_whenever = |ir: &Ir| match &ir.kind {
-        IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
-        kind => matches!(kind, IrKind::Whenever { .. }),
-    };
     let acts = matches!(policy.body.kind, IrKind::Call(..) | IrKind::Construct(_));
     if !acts || !is_whenever(&body.body) || !Flow::new(check).completes(&policy.body) {
         return None;
@@ -38,6 +37,33 @@ fn in_the_wrong_order(check: &Check<'_>, construct: &ConstructIr) -> Option<Diag
     let warning =
         check.warning("policy-ends", policy.span, "this policy ends, and the body never does", "keeps nothing");
     Some(warning.help("the policy comes first: `(with-policy (whenever CONDITION FORM...) FORM...)`"))
+}
+
+/// A reaction beside work that ends, in a form that waits for both.
+fn policy_beside(check: &Check<'_>, construct: &ConstructIr, span: Span) -> Option<Diagnostic> {
+    let waits_for_all =
+        construct.policy().is_none() && construct.quorum.successes == Successes::All && construct.children.len() > 1;
+    let bodies = || construct.children.iter().map(|child| &*child.body.body);
+    let reaction = bodies().find(|body| is_whenever(body)).filter(|_| waits_for_all)?;
+    // What has a tag may be ended by its name.
+    let is_plain = construct.children.iter().all(|child| child.tag.is_none());
+    if !is_plain || !bodies().any(|body| Flow::new(check).completes(body)) {
+        return None;
+    }
+    let name = check.name(construct.name);
+    let message = format!("this `{name}` never ends: it waits for all its parts, and `whenever` goes on for ever");
+    let warning = check.warning("never-ends", reaction.span, message, "goes on for ever");
+    let around = brief(&check.subject.program.sources, span);
+    Some(warning.related(around, "waits for all parts").help(
+        "to react for as long as something else is done, write `(with-policy (whenever CONDITION FORM...) FORM...)`",
+    ))
+}
+
+fn is_whenever(ir: &Ir) -> bool {
+    match &ir.kind {
+        IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
+        kind => matches!(kind, IrKind::Whenever { .. }),
+    }
 }
 
 fn policy_that_ends(check: &Check<'_>, policy: &Function) -> Option<Diagnostic> {

@@ -11,6 +11,7 @@ pub const RULES: &[&str] = &[
     "endless-loop",
     "policy-never-waits",
     "policy-ends",
+    "never-ends",
     "network-effect",
     "condition-never-changes",
     "fluent-as-value",

@@ -21,7 +21,11 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
                     && takes_place(check, callee, at, &mut BTreeSet::new())
                 {
                     let place = check.narrowed(ir.span, argument);
-                    found.push(unknown_place(check, known, name, place));
+                    let warning = unknown_place(check, known, name, place);
+                    found.push(match other_order(check, known, callee, arguments) {
+                        Some(order) => warning.help(format!("the order is `{order}`")),
+                        None => warning,
+                    });
                 }
             }
         });
@@ -35,6 +39,22 @@ fn unknown_place(check: &Check<'_>, known: &KnownPlaces, name: &str, span: Span)
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("it has {}", known.names.join(", ")),
     })
+}
+
+/// How a plan of the library takes its arguments, if a place is given where it takes none.
+fn other_order(check: &Check<'_>, known: &KnownPlaces, callee: &Callee, arguments: &[Ir]) -> Option<String> {
+    let Callee::Global(global) = *callee else { return None };
+    let is_place = |argument: &Ir| {
+        let name = check.quoted(argument).map(|symbol| check.name(symbol));
+        name.is_some_and(|name| known.names.iter().any(|place| place == name))
+    };
+    let mut positions = (0..arguments.len()).filter(|&at| is_place(&arguments[at]));
+    positions.find(|&at| !takes_place(check, callee, at, &mut BTreeSet::new()))?;
+    let names = (0..).map_while(|at| check.parameter_name(global, at));
+    let required = usize::from(check.known(global)?.function.parameters.required);
+    let words =
+        std::iter::once(check.global_name(global).to_string()).chain(names.take(required).map(str::to_uppercase));
+    Some(format!("({})", words.collect::<Vec<_>>().join(" ")))
 }
 
 /// Whether what is called takes a place at a position: a native function that says so, or a function

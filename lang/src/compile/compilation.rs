@@ -107,6 +107,25 @@ pub fn no_names() -> Names {
     LazyLock::new(Box::new(Vec::new))
 }
 
+/// What names of another kind of text belong to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextKind {
+    /// Plans of a robot.
+    Plan,
+    /// What an experimenter does.
+    #[default]
+    Scenario,
+}
+
+/// Names that a text does not have, and that another kind of text has.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NamesElsewhere {
+    /// The other kind.
+    pub kind: TextKind,
+    /// Its names.
+    pub names: Vec<String>,
+}
+
 /// The surroundings of a compilation.
 pub struct Compilation<'a> {
     /// Where code is added.
@@ -124,6 +143,6 @@ pub struct Compilation<'a> {
     pub loader: &'a mut dyn Loader,
     /// Names that exist only with a robot, so that an error can say so.
     pub robot_names: &'a Names,
-    /// Names that only a scenario has, so that an error can say so.
-    pub scenario_names: &'a [String],
+    /// Names that only another kind of text has, so that an error can say so.
+    pub names_elsewhere: &'a NamesElsewhere,
 }

@@ -1,6 +1,6 @@
 //! The compiler's state, and what all of its parts do with it.
 
-use super::compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, Purpose};
+use super::compilation::{Compilation, Loader, MacroHost, Names, NamesElsewhere, NativeSignature, Purpose};
 use super::expansion::Expansion;
 use super::goals::{Goals, Methods, UndefinedGoal};
 use super::ir::{BlockId, Callee, Function, Ir, IrKind, VarId, Variable};
@@ -8,7 +8,6 @@ use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::{Diagnostic, NOT_OF_THE_FORM};
-use crate::infix::{beginning, infix_in};
 use crate::source::Span;
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
@@ -34,7 +33,7 @@ pub(crate) struct Compiler<'a> {
     pub(super) macros: &'a mut dyn MacroHost,
     pub(super) loader: &'a mut dyn Loader,
     pub(super) robot_names: &'a Names,
-    pub(super) scenario_names: &'a [String],
+    pub(super) names_elsewhere: &'a NamesElsewhere,
     pub(super) purpose: Purpose,
     pub(super) tree: Tree,
     pub(super) diagnostics: Vec<Diagnostic>,
@@ -140,7 +139,7 @@ impl<'a> Compiler<'a> {
         expansion: Expansion,
         purpose: Purpose,
     ) -> Self {
-        let Compilation { program, library, symbols, natives, macros, loader, robot_names, scenario_names } =
+        let Compilation { program, library, symbols, natives, macros, loader, robot_names, names_elsewhere } =
             surroundings;
         let native_numbers =
             natives.iter().enumerate().map(|(number, native)| (symbols.intern(&native.name), number as u16)).collect();
@@ -155,7 +154,7 @@ impl<'a> Compiler<'a> {
             macros,
             loader,
             robot_names,
-            scenario_names,
+            names_elsewhere,
             purpose,
             tree,
             diagnostics: Vec::new(),
@@ -219,26 +218,7 @@ impl<'a> Compiler<'a> {
     }
 
     pub(super) fn malformed(&mut self, span: Span, form: &str) -> Ir {
-        let help = match form.starts_with("`(NAME VALUE") {
-            true => infix_in(&self.program.sources, span, 1),
-            false => infix_in(&self.program.sources, span, 2),
-        }
-        .map(|infix| match infix.operator == "=" && form.contains("VALUE") {
-            true => "leave out the `=`".to_string(),
-            false => infix.advice(),
-        });
-        let branches = "`(seq FORM...)` makes one form of several, and `cond` has several branches";
-        let has_else = || beginning(&self.program.sources, span).split_whitespace().any(|word| word == "else");
-        let help = help.or_else(|| match form {
-            _ if form.starts_with("`(if ") && has_else() => {
-                Some("`if` has no word `else`: the third part is what is done otherwise".to_string())
-            }
-            _ if form.starts_with("`(if ") => Some(branches.to_string()),
-            _ if form.starts_with("`(NAME VALUE") => {
-                Some("the bindings stand in a list of their own: `((NAME VALUE) (NAME VALUE))`".to_string())
-            }
-            _ => None,
-        });
+        let help = self.shape_advice(span, form);
         self.error("malformed", span, format!("{NOT_OF_THE_FORM}{form}"), format!("expected {form}")).help = help;
         self.nil(span)
     }

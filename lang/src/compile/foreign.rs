@@ -78,6 +78,10 @@ const WORDS: &[(&[&str], &str)] = &[
         &["call", "invoke", "execute", "run"],
         "a plan is called by its name alone; `(execute-plan PLAN)` runs one that is data",
     ),
+    (
+        &["wait-until", "wait-while", "until"],
+        "`(wait-for CONDITION)` waits until a condition is true, `(at-time SECONDS)` until a time of the run",
+    ),
     (&["at", "after"], "`(at-time SECONDS)` waits until that time of the run, `(wait-time SECONDS)` for a while"),
     (&["import", "include", "use", "from"], "`(load \"FILE\")` loads the definitions of another file"),
     (&["assert-equal", "assert-eq", "is", "expect"], "`(assert (equal A B))` fails if the test is not true"),

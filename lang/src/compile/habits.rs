@@ -2,7 +2,7 @@
 //! write out of habit.
 
 use super::compiler::Compiler;
-use crate::infix::enclosing_list;
+use crate::infix::{beginning, enclosing_list, infix_in};
 use crate::source::Span;
 
 /// The word that a list begins with, as far as its beginning is near.
@@ -33,6 +33,35 @@ impl Compiler<'_> {
                 "`{text}` is a class of failure: it stands in a clause of `with-failure-handling`, `(({text} (f) …))`"
             )
         })
+    }
+
+    /// Advice that the two lists around a name give: the name stands where a form has a list of another shape.
+    pub(super) fn shape_of_list_advice(&self, span: Span, text: &str) -> Option<String> {
+        let sources = &self.program.sources;
+        let list = enclosing_list(sources, span)?;
+        let around = enclosing_list(sources, Span { start: list, end: list, ..span })?;
+        let whole = &sources.get(span.source).text;
+        let before = whole.get(list as usize + 1..span.start as usize)?.trim();
+        let head = whole.get(around as usize + 1..list as usize)?.trim();
+        let is_global = |text: &str| self.symbols.find(text).is_some_and(|name| self.program.names.contains_key(&name));
+        // It is the only item of its list, and is used behind it.
+        let is_parameter = || {
+            let behind = whole.get(span.end as usize..).and_then(|rest| rest.strip_prefix(')'));
+            let behind = behind.map(|rest| &rest[..rest.floor_char_boundary(HEAD_BYTES)]);
+            behind.is_some_and(|rest| {
+                rest.split(|c: char| c.is_whitespace() || "()".contains(c)).any(|word| word == text)
+            })
+        };
+        match (head, before) {
+            ("n-times", "") => Some(format!("`(dotimes ({text} COUNT) FORM...)` counts with a variable")),
+            ("dolist" | "dotimes", _) if is_global(before) => {
+                Some(format!("the variable comes first: `({head} ({text} {before}) FORM...)`"))
+            }
+            (_, "") if is_global(head) && is_parameter() => {
+                Some(format!("a function is written `(lambda ({text}) FORM...)`"))
+            }
+            _ => None,
+        }
     }
 
     /// Advice that the place of a name gives, in the list around it.
@@ -79,4 +108,49 @@ impl Compiler<'_> {
         let list = enclosing_list(&self.program.sources, span)?;
         (span.start.saturating_sub(list) as usize <= HEAD_BYTES).then_some((span.source.0, list))
     }
+
+    /// Advice on a form that is not of the form it should be.
+    pub(super) fn shape_advice(&self, span: Span, form: &str) -> Option<String> {
+        let is_binding = form.starts_with("`(NAME VALUE");
+        if let Some(infix) = infix_in(&self.program.sources, span, if is_binding { 1 } else { 2 }) {
+            return Some(match infix.operator == "=" && form.contains("VALUE") {
+                true => "leave out the `=`".to_string(),
+                false => infix.advice(),
+            });
+        }
+        let text = beginning(&self.program.sources, span);
+        let advice = match form {
+            _ if form.starts_with("`(if ") && text.split_whitespace().any(|word| word == "else") => {
+                "`if` has no word `else`: the third part is what is done otherwise"
+            }
+            _ if form.starts_with("`(if ") => {
+                "`(seq FORM...)` makes one form of several, and `cond` has several branches"
+            }
+            _ if is_binding => "the bindings stand in a list of their own: `((NAME VALUE) (NAME VALUE))`",
+            _ if form.starts_with("`(let ((") => {
+                let behind = text.split_once(char::is_whitespace)?.1.trim_start();
+                if !behind.starts_with(|c: char| c.is_alphabetic()) {
+                    return None;
+                }
+                let name = behind.split(|c: char| c.is_whitespace() || c == '(').next()?;
+                return Some(format!(
+                    "the bindings come first; a loop that calls itself is `(labels (({name} (PARAMETER...) FORM...)) ({name} VALUE...))`"
+                ));
+            }
+            _ => return listless_option(text, form),
+        };
+        Some(advice.to_string())
+    }
+}
+
+/// Advice on an option that takes a list and was given one of its items.
+fn listless_option(text: &str, form: &str) -> Option<String> {
+    let options = form.split(['(', '[', ' ']).filter(|word| word.len() > 1 && word.starts_with(':'));
+    options.into_iter().find_map(|option| {
+        form.contains(&format!("{option} (")).then_some(())?;
+        let value = text.split_once(&format!("{option} "))?.1.trim_start();
+        let item = value.split(|c: char| c.is_whitespace() || c == ')').next()?;
+        let is_item = !item.is_empty() && !item.starts_with('(');
+        is_item.then(|| format!("`{option}` takes a list: `{option} ({item})`"))
+    })
 }

@@ -3,6 +3,7 @@
 use super::compilation::Unexpanded;
 use super::compiler::Compiler;
 use super::ir::Ir;
+use crate::diagnostic::NOT_OF_THE_FORM;
 use crate::source::Span;
 use crate::syntax::NodeId;
 
@@ -44,7 +45,11 @@ impl Compiler<'_> {
                 self.expansion.in_a_row -= 1;
                 Some(result)
             }
-            Err(Unexpanded::Failed(diagnostic)) => {
+            Err(Unexpanded::Failed(mut diagnostic)) => {
+                let form = diagnostic.message.strip_prefix(NOT_OF_THE_FORM);
+                if let (Some(form), None) = (form, &diagnostic.help) {
+                    diagnostic.help = self.shape_advice(diagnostic.span, form);
+                }
                 self.diagnostics.push(*diagnostic);
                 None
             }

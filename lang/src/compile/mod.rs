@@ -29,7 +29,10 @@ mod unresolved;
 use crate::reader::read;
 use crate::source::{SourceId, Span};
 use crate::syntax::{NodeId, Tree};
-pub use compilation::{Compilation, Loader, MacroHost, Names, NativeSignature, NoFiles, Purpose, Unexpanded, no_names};
+pub use compilation::{
+    Compilation, Loader, MacroHost, Names, NamesElsewhere, NativeSignature, NoFiles, Purpose, TextKind, Unexpanded,
+    no_names,
+};
 use compiler::Compiler;
 use expansion::Expansion;
 pub use foreign::foreign_words;

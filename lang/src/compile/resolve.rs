@@ -123,7 +123,18 @@ impl Compiler<'_> {
         nodes.iter().map(|&node| self.resolve(node)).collect()
     }
 
+    /// Whether the reader found nothing where a datum has to be, and has told so.
+    fn is_hole(&self, node: NodeId) -> bool {
+        let last = self.tree.items(node).last().copied().unwrap_or(node);
+        self.tree.get(last).kind == NodeKind::Hole
+    }
+
     fn named_call(&mut self, meaning: Meaning, head: NodeId, nodes: &[NodeId], span: Span) -> Ir {
+        if nodes.iter().any(|&node| self.is_hole(node)) {
+            // How many arguments are meant is not known.
+            self.arguments(nodes);
+            return self.nil(span);
+        }
         match meaning {
             // A tag of the plan.
             Meaning::Local(_) => self.call_value(head, nodes, span),

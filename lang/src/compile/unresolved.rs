@@ -1,6 +1,7 @@
 //! What is known only when the whole text is: which names it defines, which classes of failure, and
 //! what the functions it calls take.
 
+use super::compilation::TextKind;
 use super::compiler::{Compiler, Unknown};
 use super::foreign;
 use super::forms::special_names;
@@ -117,17 +118,22 @@ impl Compiler<'_> {
             self.not_a_place(span, format!("`({accessor} …)` is not a place that can be assigned"));
         } else if self.robot_names.contains(&text) {
             self.needs_a_world(span, &text);
-        } else if self.scenario_names.contains(&text) {
-            self.error(
-                "needs-a-scenario",
-                span,
-                format!("`{text}` belongs to scenarios, and this text is read as a plan"),
-                "only a scenario has it",
-            )
-            .help = Some(
-                "a project says it by `scenarios = [\"FILE\"]` in `rpl.toml`; `rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan"
-                    .into(),
-            );
+        } else if self.names_elsewhere.names.contains(&text) {
+            let (code, message, label, help) = match self.names_elsewhere.kind {
+                TextKind::Scenario => (
+                    "needs-a-scenario",
+                    format!("`{text}` belongs to scenarios, and this text is read as a plan"),
+                    "only a scenario has it",
+                    "a project says it by `scenarios = [\"FILE\"]` in `rpl.toml`; `rpl check --scenario FILE` checks a scenario, `rpl run PLAN --world W --scenario FILE` runs it beside a plan",
+                ),
+                TextKind::Plan => (
+                    "needs-a-plan",
+                    format!("`{text}` belongs to plans of the robot, and this text is read as a scenario"),
+                    "only a plan has it",
+                    "a scenario does what the experimenter does, with names that end in `!`: `rpl doc scenario` lists them; what the robot is to do stands in the plan",
+                ),
+            };
+            self.error(code, span, message, label).help = Some(help.into());
         } else {
             let goal = text
                 .strip_prefix(GOAL_PREFIX)
@@ -140,8 +146,10 @@ impl Compiler<'_> {
             let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
             let elsewhere = self.suggestion_elsewhere(&text, work);
             let spelling = self.spelling_advice(&text);
+            let shape = self.shape_of_list_advice(span, &text);
             let by_place = self.place_advice(span, &text);
-            let help = foreign.or(unit).or(spelling).or(suggestion).or(elsewhere).or(goal).or(by_place).or(quoted);
+            let help =
+                foreign.or(unit).or(spelling).or(shape).or(suggestion).or(elsewhere).or(goal).or(by_place).or(quoted);
             self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help = help;
         }
     }
@@ -303,12 +311,17 @@ impl Compiler<'_> {
 
     /// A name of the robot's or of scenarios' that was probably meant, and what has it.
     fn suggestion_elsewhere(&self, text: &str, work: &mut usize) -> Option<String> {
-        *work = work.checked_sub(self.robot_names.len() + self.scenario_names.len())?;
+        *work = work.checked_sub(self.robot_names.len() + self.names_elsewhere.names.len())?;
         let of_robot = suggest(text, self.robot_names.iter().map(String::as_str))
             .map(|near| format!("did you mean `{near}`? A robot has it: add `--world dept`"));
         of_robot.or_else(|| {
-            let near = suggest(text, self.scenario_names.iter().map(String::as_str))?;
-            Some(format!("did you mean `{near}`? A scenario has it, and this text is read as a plan"))
+            let near = suggest(text, self.names_elsewhere.names.iter().map(String::as_str))?;
+            Some(match self.names_elsewhere.kind {
+                TextKind::Scenario => {
+                    format!("did you mean `{near}`? A scenario has it, and this text is read as a plan")
+                }
+                TextKind::Plan => format!("did you mean `{near}`? A plan has it, and this text is read as a scenario"),
+            })
         })
     }
 

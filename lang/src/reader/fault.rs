@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token};
-use crate::source::{SourceId, Span, holds_code, line_starts};
+use crate::source::{LINE_ENDS, SourceId, Span, holds_code, line_starts};
 use chumsky::span::SimpleSpan;
 
 /// One error of the grammar.
@@ -66,7 +66,13 @@ impl Fault {
                 error("stray-close", *at, &format!("these {count} `)` close nothing"), "no list is open here")
                     .help("remove them, or look above for a `)` that closes too early")
             }
-            Fault::BarePrefix { prefix, at, .. } => bare_prefix(*prefix, places.span(*at)),
+            Fault::BarePrefix { prefix, at, .. } => {
+                let error = bare_prefix(*prefix, places.span(*at));
+                match places.text_between_quotes(*at).filter(|_| *prefix == Prefix::Quote) {
+                    Some(text) => error.help(format!("a text stands between double quotes: `\"{text}\"`")),
+                    None => error.help("write the datum after it, or remove the mark"),
+                }
+            }
             Fault::BareComment { at, .. } => {
                 error("bare-prefix", *at, "nothing follows `#;`", "comments out the next datum, and there is none")
                     .help("for a comment up to the end of the line write `;`")
@@ -107,7 +113,6 @@ fn bare_prefix(prefix: Prefix, span: Span) -> Diagnostic {
     };
     let message = format!("nothing follows `{mark}`");
     Diagnostic::error("bare-prefix", span, message, format!("{verb} the next datum, and there is none"))
-        .help("write the datum after it, or remove the mark")
 }
 
 fn unclosed(outermost: SimpleSpan, inner: &[SimpleSpan], end: usize, places: &Places<'_>) -> Diagnostic {
@@ -174,6 +179,14 @@ impl<'a> Places<'a> {
         let mut strings = within.filter(|(token, _)| *token == Token::Str).map(|&(_, span)| span);
         let found = strings.find(|span| holds_code(&self.text[span.start as usize..span.end as usize]))?;
         Some(Span { end: found.start + 1, ..found })
+    }
+
+    /// What stands in the same line between a quote and the one before it: `hello` of `'hello'`.
+    fn text_between_quotes(&self, at: SimpleSpan) -> Option<&str> {
+        let line = self.text[..at.start].rsplit(LINE_ENDS).next()?;
+        let (_, text) = line.rsplit_once('\'')?;
+        let is_text = !text.is_empty() && !text.contains(['(', ')', '"']) && !text.ends_with(char::is_whitespace);
+        is_text.then_some(text)
     }
 
     /// The innermost list between two places that is still open where a later line begins no

@@ -190,6 +190,11 @@ impl<H: Host + 'static, M: Module> Outside for OfficeRobot<H, M> {
         self.lost.is_none().then(|| stepped_us + self.model().settings.robot.step_us)
     }
 
+    fn charge_permille(&self) -> Option<u16> {
+        let percept = self.controller.board.percept.as_ref();
+        percept.map(|percept| libm::round(percept.battery * 1000.0) as u16)
+    }
+
     /// Where the world has gone on, all that the robot was doing in it is interrupted, and its position is
     /// doubted: somebody may have moved it.
     fn renew(&mut self, outbox: &mut Outbox) -> bool {

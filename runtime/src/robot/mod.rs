@@ -201,6 +201,11 @@ pub trait Outside: 'static {
         self.next_event_us(stepped_us).is_some_and(|next_us| next_us <= now_us)
     }
 
+    /// The charge of its battery, in thousandths; none if it has no battery that it knows of.
+    fn charge_permille(&self) -> Option<u16> {
+        None
+    }
+
     /// What lies outside the run was started anew, between two steps, because the process of the run had ended:
     /// what it was doing is not gone on with, and what was known of the world may not hold any more. Whether
     /// there is such a thing; a run whose world is a part of it has none.

@@ -58,7 +58,7 @@ impl Library {
             program,
             symbols,
             robot_names: Arc::new(no_names()),
-            scenario_names: Arc::default(),
+            names_elsewhere: Arc::default(),
             robot: Arc::new(RobotGlobals::default()),
             behaviours: Arc::default(),
             resolved: Arc::default(),

@@ -7,7 +7,7 @@ use crate::step::native::Native;
 use rpl_lang::check::{BehaviourSignature, KnownPlaces, Subject};
 use rpl_lang::code::{Global, GlobalKind, Program};
 use rpl_lang::compile::{
-    Compilation, Compiled, Loader, Names, NativeSignature, NoFiles, Purpose, Resolved, Test, no_names,
+    Compilation, Compiled, Loader, Names, NamesElsewhere, NativeSignature, NoFiles, Purpose, Resolved, Test, no_names,
 };
 use rpl_lang::diagnostic::render;
 use rpl_lang::diagnostic::{Diagnostic, Severity};
@@ -75,7 +75,7 @@ pub struct Library {
     pub(super) program: Program,
     pub(super) symbols: Symbols,
     pub(super) robot_names: Arc<Names>,
-    pub(super) scenario_names: Arc<[String]>,
+    pub(super) names_elsewhere: Arc<NamesElsewhere>,
     /// Where the robot's names stand in the program.
     pub(crate) robot: Arc<RobotGlobals>,
     /// What a check needs to know beyond the program.
@@ -121,7 +121,7 @@ impl Library {
             program,
             symbols,
             robot_names: Arc::new(no_names()),
-            scenario_names: Arc::default(),
+            names_elsewhere: Arc::default(),
             robot: Arc::new(robot),
             behaviours,
             resolved: Arc::default(),
@@ -151,11 +151,11 @@ impl Library {
         Self { robot_names: Arc::new(robot_names), ..self }
     }
 
-    /// A library of plans that knows which names only scenarios have, so that a scenario that is taken
-    /// for a plan gets a helpful error.
+    /// A library that knows which names only another kind of text has, so that a text that is taken for one of
+    /// another kind gets a helpful error.
     #[must_use]
-    pub fn refusing_scenario_names(self, scenario_names: &[String]) -> Self {
-        Self { scenario_names: scenario_names.into(), ..self }
+    pub fn refusing_names(self, names_elsewhere: NamesElsewhere) -> Self {
+        Self { names_elsewhere: Arc::new(names_elsewhere), ..self }
     }
 
     fn compile(
@@ -178,7 +178,7 @@ impl Library {
             macros: &mut macros,
             loader,
             robot_names: &self.robot_names,
-            scenario_names: &self.scenario_names,
+            names_elsewhere: &self.names_elsewhere,
         };
         compile::compile_text(surroundings, source, purpose)
     }
@@ -274,7 +274,7 @@ impl Library {
             macros,
             loader: &mut NoFiles,
             robot_names: &self.robot_names,
-            scenario_names: &self.scenario_names,
+            names_elsewhere: &self.names_elsewhere,
         };
         compile::compile_datum(surroundings, tree, root, most)
     }

@@ -9,4 +9,6 @@ pub struct Stall {
     pub since_us: u64,
     /// It was reported, and nothing has happened since.
     pub is_reported: bool,
+    /// The charge of the battery then, in thousandths; none before it was looked at, or without a battery.
+    pub charge_permille: Option<u16>,
 }

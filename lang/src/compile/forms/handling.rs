@@ -43,6 +43,14 @@ impl Compiler<'_> {
         let Some(clauses) = clauses else {
             return self.malformed(span, "`(with-failure-handling ((CLASS (F) FORM...)...) FORM...)`");
         };
+        if let Some(&class) = clauses.first().filter(|&&first| self.tree.symbol(first).is_some()) {
+            let (class, list) = (self.tree.span(class), self.tree.span(rest[0]));
+            let class = self.program.sources.text_of(class).to_string();
+            let help = format!("one more pair of parentheses, around all clauses: `(({class} (f) FORM...))`");
+            let message = format!("the clause of `{class}` stands in no list of clauses");
+            self.error("malformed", list, message, "a list of clauses").help = Some(help);
+            return self.nil(span);
+        }
         let body_forms = rest[1..].to_vec();
         // Leaving the inner block starts the body again; leaving the outer one gives the value.
         self.in_block(None, span, |compiler, _| {

@@ -54,6 +54,9 @@ impl Gripping {
                 Ok(Some(machine.symbols.name(*item).to_string()))
             }
             [(key, release)] if machine.symbols.name(*key) == "release" && release.is_true() => Ok(None),
+            [(key, item)] if machine.symbols.name(*key) == "grasp" => {
+                Err(machine.wrong_type("`:grasp` of `gripper`", "the name of a thing", *item))
+            }
             _ => Err(Raise::type_error("`gripper` takes `:grasp NAME` or `:release t`")),
         }
     }

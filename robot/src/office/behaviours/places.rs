@@ -30,8 +30,8 @@ impl Module for Places {
         vec![ModuleSpec {
             name: "places".into(),
             functions: vec![
-                look("place", "name", "The name of a place, checked: fails if the world has no such place.", place),
-                look("place-pose", "name", "The pose of a place: x, y in metres, heading in radians.", place_pose),
+                look("place", "place", "The name of a place, checked: fails if the world has no such place.", place),
+                look("place-pose", "place", "The pose of a place: x, y in metres, heading in radians.", place_pose),
                 look(
                     "at-destination?",
                     "place",

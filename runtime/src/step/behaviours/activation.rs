@@ -91,7 +91,7 @@ impl Machine {
             ));
         }
         if entry.phase == Phase::Active {
-            self.stop_behaviour(around, behaviour, StopReason::Deactivated);
+            self.stop_behaviour(around, behaviour);
         }
         let mut outbox = Outbox::default();
         around.outside.start(self, behaviour, arguments, &mut outbox)?;
@@ -128,35 +128,43 @@ impl Machine {
         if phase == Phase::Inactive || !owner.is_some_and(|owner| self.is_within(owner, self.current)) {
             return;
         }
-        self.stop_behaviour(around, behaviour, StopReason::Deactivated);
+        self.stop_behaviour(around, behaviour);
     }
 
-    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16, why: StopReason) {
+    fn stop_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
         let mut outbox = Outbox::default();
-        around.outside.stop(behaviour, why, &mut outbox);
-        match why {
-            StopReason::Deactivated => {
-                self.trace_behaviour(around, behaviour, "deactivated");
-                let before = std::mem::take(self.activation(behaviour));
-                self.activation(behaviour).kept = before.kept;
-                self.release_activation(around, behaviour, before.task);
-                self.apply_outbox(around, outbox);
-            }
-            StopReason::Interrupted => {
-                self.trace_behaviour(around, behaviour, "interrupted");
-                self.activation(behaviour).phase = Phase::Interrupted;
-                self.apply_outbox(around, outbox);
-                let message = "the behaviour was interrupted".to_string();
-                let failure = self.behaviour_failure(behaviour, "interrupted", message, Vec::new());
-                self.signal(around, behaviour, Err(failure));
-            }
-        }
+        around.outside.stop(behaviour, StopReason::Deactivated, &mut outbox);
+        self.trace_behaviour(around, behaviour, "deactivated");
+        let before = std::mem::take(self.activation(behaviour));
+        self.activation(behaviour).kept = before.kept;
+        self.release_activation(around, behaviour, before.task);
+        self.apply_outbox(around, outbox);
     }
 
-    /// A behaviour loses its valve.
-    pub(crate) fn interrupt_behaviour(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+    /// A behaviour that is at work stops for a reason that does not lie in the task that started it.
+    fn interrupt(&mut self, around: &mut Surroundings<'_>, behaviour: u16, why: &str) {
+        let mut outbox = Outbox::default();
+        around.outside.stop(behaviour, StopReason::Interrupted, &mut outbox);
+        self.trace_behaviour(around, behaviour, "interrupted");
+        self.activation(behaviour).phase = Phase::Interrupted;
+        self.apply_outbox(around, outbox);
+        let name = &around.outside.tables().behaviours[usize::from(behaviour)].name;
+        let message = format!("`{name}` was interrupted: {why}");
+        let failure = self.behaviour_failure(behaviour, "interrupted", message, Vec::new());
+        self.signal(around, behaviour, Err(failure));
+    }
+
+    /// A behaviour loses its valve to a task.
+    pub(crate) fn interrupt_behaviour(
+        &mut self,
+        around: &mut Surroundings<'_>,
+        behaviour: u16,
+        valve: u32,
+        taker: u32,
+    ) {
         if self.activation(behaviour).phase == Phase::Active {
-            self.stop_behaviour(around, behaviour, StopReason::Interrupted);
+            let why = format!("{} has taken the valve `{}`", self.path(taker), self.valve_name(valve));
+            self.interrupt(around, behaviour, &why);
         }
     }
 
@@ -173,7 +181,7 @@ impl Machine {
         let entry = self.activation(behaviour);
         let (phase, task) = (entry.phase, entry.task);
         if phase == Phase::Active {
-            self.stop_behaviour(around, behaviour, StopReason::Interrupted);
+            self.interrupt(around, behaviour, "it has lost its goals");
             self.release_activation(around, behaviour, task);
         }
     }
@@ -185,7 +193,7 @@ impl Machine {
             let entry = &mut self.activations[usize::from(behaviour)];
             entry.kept.retain(|(owner, _)| *owner != me);
             if entry.task == Some(me) && entry.phase != Phase::Inactive {
-                self.stop_behaviour(around, behaviour, StopReason::Deactivated);
+                self.stop_behaviour(around, behaviour);
             }
         }
     }

@@ -1,5 +1,5 @@
 //! Stalls: with a robot the world may always change, so a run that waits in vain is no deadlock. It
-//! is reported when nothing drives and no task but policies has gone on for a long time.
+//! is reported when nothing drives, no battery is charged, and no task but policies has gone on for a long time.
 
 use crate::state::activation::Phase;
 use crate::state::machine::Machine;
@@ -21,20 +21,27 @@ impl Machine {
     /// Notes that a task runs. Cost: its depth in the task tree, once in each instant.
     pub(crate) fn note_progress(&mut self, task: u32) {
         if (self.stall.since_us < self.now_us || self.stall.is_reported) && !self.belongs_to_policy(task) {
-            self.stall = Stall { since_us: self.now_us, is_reported: false };
+            self.stall = Stall { since_us: self.now_us, ..Stall::default() };
         }
     }
 
     /// Reports once that nothing happens any more. Called after each step of the robot.
     pub(crate) fn look_for_stall(&mut self, around: &Surroundings<'_>) {
         if self.drives(around) {
-            self.stall = Stall { since_us: self.now_us, is_reported: false };
+            self.stall = Stall { since_us: self.now_us, ..Stall::default() };
         }
+        let charge = around.outside.charge_permille();
+        let before = *self.stall.charge_permille.get_or_insert(charge.unwrap_or_default());
         if self.stall.is_reported
             || self.now_us - self.stall.since_us < PATIENCE_US
             || self.awaits_time()
             || self.thinks()
         {
+            return;
+        }
+        if charge.is_some_and(|charge| charge > before) {
+            // The battery is being charged, and that has an end.
+            self.stall = Stall { since_us: self.now_us, ..Stall::default() };
             return;
         }
         self.stall.is_reported = true;

@@ -244,6 +244,7 @@ impl Machine {
             }
         }
         driving.iter().for_each(|&(at, _)| self.remove_link(place, at));
-        driving.iter().rev().for_each(|&(_, behaviour)| self.interrupt_behaviour(around, behaviour));
+        let valve = self.valve_of_place(place);
+        driving.iter().rev().for_each(|&(_, behaviour)| self.interrupt_behaviour(around, behaviour, valve, task));
     }
 }
