@@ -111,7 +111,7 @@ fn show(program: &Program, comparison: &Comparison) {
 /// The page of the book.
 fn page(rows: &[(&Program, Comparison)], started: Option<&Comparison>) -> String {
     let mut text = String::from(
-        "# Speed of the language\n\nThe same programs here and in other interpreters, none of which compiles to machine code while it runs. Milliseconds of processor time without starting up: the least of runs in turn. \"Ratio\" is our time by that of the fastest peer, so less is better.\n\n| program | ours | peers | ratio | goal |\n| --- | ---: | --- | ---: | ---: |\n",
+        "# Speed of the language\n\nThis page compares the same programs here and in other interpreters. None of them compiles to machine code while it runs. The figures are milliseconds of processor time without starting up, each the least of several runs in turn. \"Ratio\" is our time divided by that of the fastest peer, so less is better.\n\n| program | ours | peers | ratio | goal |\n| --- | ---: | --- | ---: | ---: |\n",
     );
     for (program, comparison) in rows {
         let peers: Vec<String> = comparison.peers.iter().map(|(name, ms)| format!("{name} {ms:.1}")).collect();
@@ -126,7 +126,7 @@ fn page(rows: &[(&Program, Comparison)], started: Option<&Comparison>) -> String
         let (ours, peers) = (started.ours_ms, peers.join(", "));
         let written = writeln!(
             text,
-            "\nTo start, evaluate one form, print its value and end, `rpl eval 1` takes {ours:.1} ms of processor time (goal {START_GOAL_MS}); {peers}."
+            "\nTo start, evaluate one form, print its value and end, `rpl eval 1` takes {ours:.1} ms of processor time (goal {START_GOAL_MS}). The others take: {peers}."
         );
         assert!(written.is_ok(), "writing into a string cannot fail");
     }
