@@ -12,7 +12,6 @@ use crate::modules;
 use crate::site::Site;
 use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
 use rpl_lang::compile::special_forms;
-use rpl_lang::pretty::print;
 use rpl_lang::reader::read;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
@@ -255,5 +254,5 @@ fn parameters(code: &Code, program: &Program) -> String {
     let (roots, _) = read(text, code.span.source, &mut symbols, &mut tree);
     let items = roots.first().map_or(&[][..], |&root| tree.items(root));
     let Some(&list) = items.get(2) else { return String::new() };
-    tree.items(list).iter().map(|&item| print(&tree, &symbols, item)).collect::<Vec<_>>().join(" ")
+    tree.items(list).iter().map(|&item| program.sources.text_of(tree.span(item))).collect::<Vec<_>>().join(" ")
 }

@@ -13,6 +13,7 @@ use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
 use rpl_mission::reference::{self, NameKind, Reference};
 use rpl_mission::robot::Robot;
+use rpl_runtime::robot::Outside;
 use rpl_runtime::run::system::System;
 
 impl Prompt<'_> {
@@ -24,6 +25,11 @@ impl Prompt<'_> {
             return self.explain(&lines);
         }
         let reference = self.reference()?;
+        if reference.find(name).is_none()
+            && let Some(lines) = of_module(&self.session.branch.system, name)
+        {
+            return self.explain(&lines);
+        }
         match document(&reference, Some(name).filter(|name| !name.is_empty()), self.console) {
             Err(error) if !is_output_gone(&error) => self.wrong(&self.unknown(name)),
             done => done.map(drop),
@@ -78,6 +84,29 @@ fn own(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
     };
     let value = value.map_or(String::new(), |value| format!("; its value is {value}"));
     Some(vec![signature, format!("  {}", doc.replace('\n', "\n  ")), format!("  a {kind}, {place}{value}")])
+}
+
+/// The same of what a module adds to the robot: plans, behaviours, fluents, valves.
+fn of_module(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
+    let name = read_name(name);
+    let tables = system.outside.tables();
+    let behaviour = || {
+        let spec = tables.behaviours.iter().find(|spec| spec.name == name)?;
+        let signature = format!("(run-behaviour {name} {})", spec.parameters);
+        let valve = spec.valve.as_ref().map_or(String::new(), |valve| format!(", which drives with the valve `{valve}`"));
+        Some((signature, spec.doc.to_string(), format!("a behaviour of a module{valve}")))
+    };
+    let fluent = || {
+        let spec = tables.fluents.iter().find(|spec| spec.name == name)?;
+        Some((name.to_string(), spec.doc.to_string(), "a fluent of a module".to_string()))
+    };
+    let plan = || {
+        let known = KnownName::of(system, &name)?;
+        let doc = known.doc.unwrap_or_else(|| "It has no documentation.".to_string());
+        Some((known.signature, doc, format!("a {} of a module", known.kind)))
+    };
+    let (signature, doc, kind) = behaviour().or_else(fluent).or_else(plan)?;
+    Some(vec![signature, format!("  {}", doc.replace('\n', "\n  ")), format!("  {kind}")])
 }
 
 /// What a form defines whose names the compiler keeps in tables of their own.

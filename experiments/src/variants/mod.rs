@@ -1,5 +1,6 @@
 //! Experiments of one's own: a plan over many seeds, or variants of it beside each other, with the same seeds.
 
+mod difference_chart;
 mod paired;
 mod variant;
 
@@ -13,6 +14,7 @@ use super::row_result::RowResult;
 use super::runs_file::quoted;
 use super::trial::MissionTrial;
 use anyhow::{Result, bail};
+use difference_chart::differences;
 use paired::{PairedDifferences, VariantTally};
 use rpl_lang::suggest::suggest;
 use rpl_mission::site::Setup;
@@ -167,10 +169,13 @@ impl ExperimentKind for Variants {
             [only] => status(&only.row),
             all => whether_measured(all.iter().map(|tally| &tally.row)),
         };
-        let (blocks, differences) = self.compared(&tallies, &results);
+        let (blocks, paired) = self.compared(&tallies, &results);
+        if wants_drawings {
+            drawings.extend(differences(&paired).map(|chart| ("differences.svg".to_string(), chart)));
+        }
         let mut figures = json!({ "rows": results });
         if self.variants.len() > 1 {
-            figures["paired"] = json!(differences);
+            figures["paired"] = json!(paired);
         }
         Ok(Findings { status, blocks, figures, drawings })
     }

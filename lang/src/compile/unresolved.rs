@@ -130,7 +130,7 @@ impl Compiler<'_> {
                     "needs-a-plan",
                     format!("`{text}` belongs to plans of the robot, and this text is read as a scenario"),
                     "only a plan has it",
-                    "a scenario does what the experimenter does, with names that end in `!`: `rpl doc scenario` lists them; what the robot is to do stands in the plan",
+                    "a scenario does what the experimenter does: `(rotate-robot! 180deg)`, `(close-door! 'ROOM)`; what the robot is to do stands in the plan",
                 ),
             };
             self.error(code, span, message, label).help = Some(help.into());
