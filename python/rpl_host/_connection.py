@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections import deque
-from typing import Deque, List, Optional, Tuple
+from typing import Any, Deque, List, Optional, Tuple
 
 from ._words import LONGEST_LINE
 
@@ -12,6 +12,12 @@ LINE_S = 2.0
 """From its first byte to its end a line takes no longer, in either direction."""
 
 READ_AT_ONCE = 1 << 16
+
+
+def address_of(told: Tuple[Any, ...]) -> str:
+    """The address that a socket tells, as people write it."""
+    name, port = told[:2]
+    return f"[{name}]:{port}" if ":" in name else f"{name}:{port}"
 
 
 class LineFault(Exception):

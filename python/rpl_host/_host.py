@@ -11,8 +11,9 @@ import sys
 import threading
 from pathlib import Path
 from types import FrameType
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Union
 
+from ._connection import address_of
 from ._guard import SILENCE_S
 from ._reading import Reading, Signal
 from ._server import Record, Server, Service
@@ -83,7 +84,7 @@ class Host(abc.ABC):
 
     def serve(
         self,
-        listen: str = "127.0.0.1:7300",
+        listen: Union[str, socket.socket] = "127.0.0.1:7300",
         *,
         factor: float = 1.0,
         patience_s: float = 60.0,
@@ -92,6 +93,7 @@ class Host(abc.ABC):
     ) -> Record:
         """Serves missions until SIGINT, SIGTERM or ``stop``; then the motors are off.
 
+        ``listen`` is an address, where port 0 is one that is free, or a socket that listens already.
         ``factor`` is how many seconds of the robot pass in one on the wall. A mission that gives no commands for
         ``patience_s`` has lost the robot. ``once`` ends when the first mission has gone and the robot stands.
         """
@@ -109,10 +111,8 @@ class Host(abc.ABC):
             token=None if token is None else token_of(token),
             once=once,
         )
-        address, _, port = listen.rpartition(":")
-        family = socket.AF_INET6 if ":" in address else socket.AF_INET
-        listener = socket.create_server((address.strip("[]"), int(port)), family=family)
-        print("listening at {}:{}".format(address, listener.getsockname()[1]), flush=True)
+        listener = listening_at(listen) if isinstance(listen, str) else listen
+        print(f"listening at {address_of(listener.getsockname())}", flush=True)
         with Signals(self):
             record = Server(self, listener, service, self._stopped.is_set).run()
         self.tell(str(record))
@@ -134,6 +134,12 @@ class Host(abc.ABC):
             token=None if given.token_file is None else given.token_file.read_text(),
             once=given.once,
         )
+
+
+def listening_at(address: str) -> socket.socket:
+    name, _, port = address.rpartition(":")
+    family = socket.AF_INET6 if ":" in name else socket.AF_INET
+    return socket.create_server((name.strip("[]"), int(port)), family=family)
 
 
 class Signals:

@@ -10,6 +10,12 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, SupportsFloat, 
 Signal = Union[bool, float, str, List["Signal"]]
 """The value of a sensor or an actuator that rpl knows nothing else of."""
 
+Speeds = Tuple[float, float]
+
+POSE = ("x_m", "y_m", "heading_rad")
+
+SPEEDS = ("translation_mps", "rotation_radps")
+
 MOST = 1e6
 """Metres, metres a second or radians that no robot comes to."""
 
@@ -38,15 +44,16 @@ class CameraReading:
 class Reading:
     """What the robot perceives now. It leaves out what it has not."""
 
-    x_m: SupportsFloat
-    """Where dead reckoning says that the robot is; the origin does not matter, the host moves it to the start."""
-    y_m: SupportsFloat
-    heading_rad: SupportsFloat
+    x_m: Optional[SupportsFloat] = None
+    """Where dead reckoning says that the robot is; the origin does not matter, the host moves it to the start. Without
+    a pose the host adds up the speeds."""
+    y_m: Optional[SupportsFloat] = None
+    heading_rad: Optional[SupportsFloat] = None
     """Counter-clockwise; whole turns do not matter."""
     translation_mps: Optional[SupportsFloat] = None
-    """Speed ahead, from the wheels; from the odometry if it is left out."""
+    """Speed ahead, by the wheels; without it that of the pose."""
     rotation_radps: Optional[SupportsFloat] = None
-    """Turning speed, counter-clockwise; from the odometry if it is left out."""
+    """Turning speed, counter-clockwise, by the wheels; without it that of the pose."""
     laser_m: Optional[Iterable[SupportsFloat]] = None
     """Distances from right to left; without an echo the ``range`` of the robot's file."""
     sonar_m: Optional[Iterable[SupportsFloat]] = None
@@ -85,6 +92,12 @@ class Pose:
         turned_rad = wrapped_rad(self.heading_rad - origin.heading_rad)
         return Pose(cos * x_m + sin * y_m, cos * y_m - sin * x_m, turned_rad)
 
+    def moved(self, ahead_m: float, turned_rad: float) -> Pose:
+        """After an arc that begins here."""
+        along_rad = self.heading_rad + turned_rad / 2
+        x_m, y_m = self.x_m + ahead_m * math.cos(along_rad), self.y_m + ahead_m * math.sin(along_rad)
+        return Pose(x_m, y_m, self.heading_rad + turned_rad)
+
 
 def wrapped_rad(angle_rad: float) -> float:
     return math.remainder(angle_rad, math.tau)
@@ -96,7 +109,7 @@ class Perceived:
 
     time_s: float
     pose_in_odom: Pose
-    speeds: Tuple[float, float]
+    speeds: Speeds
     """In metres and in radians a second."""
     is_bumped: bool
     rest: Dict[str, Any]
@@ -133,15 +146,9 @@ class Perception:
         if not isinstance(reading, Reading):
             raise ReadingError(f"`read` gives a {type(reading).__name__}, and a `Reading` is expected")
         time_s = host_time_s if reading.time_s is None else self._time_s(reading.time_s)
-        x_m, y_m, heading_rad = (
-            number(name, getattr(reading, name), MOST) for name in ("x_m", "y_m", "heading_rad")
-        )
-        pose = Pose(x_m, y_m, heading_rad)
-        perceived = Perceived(
-            time_s, pose, self._speeds(reading, time_s, pose), bool(reading.bumped), self._rest(reading)
-        )
-        self.last = perceived
-        return perceived
+        pose, speeds = self._motion(reading, time_s)
+        self.last = Perceived(time_s, pose, speeds, bool(reading.bumped), self._rest(reading))
+        return self.last
 
     def _time_s(self, told_s: float) -> float:
         time_s = number("time_s", told_s, math.inf)
@@ -152,18 +159,25 @@ class Perception:
             )
         return time_s
 
-    def _speeds(self, reading: Reading, time_s: float, pose: Pose) -> Tuple[float, float]:
-        by_odometry = (0.0, 0.0)
-        if self.last is not None and time_s > self.last.time_s:
-            passed_s = time_s - self.last.time_s
-            way = pose.relative_to(self.last.pose_in_odom)
-            by_odometry = (way.x_m / passed_s, way.heading_rad / passed_s)
-        told = (("translation_mps", reading.translation_mps), ("rotation_radps", reading.rotation_radps))
-        translation_mps, rotation_radps = (
-            otherwise if speed is None else number(name, speed, MOST)
-            for (name, speed), otherwise in zip(told, by_odometry)
-        )
-        return translation_mps, rotation_radps
+    def _motion(self, reading: Reading, time_s: float) -> Tuple[Pose, Speeds]:
+        """Where the robot is, and how fast: what it leaves out follows from the other."""
+        told = {name: getattr(reading, name) for name in (*POSE, *SPEEDS)}
+        found = {name: number(name, value, MOST) for name, value in told.items() if value is not None}
+        has_pose, has_speeds = (all(name in found for name in names) for names in (POSE, SPEEDS))
+        if not has_pose and (not has_speeds or any(name in found for name in POSE)):
+            raise ReadingError("a reading has a pose, `x_m`, `y_m` and `heading_rad`, or both speeds, or all of these")
+        last = self.last
+        passed_s = 0.0 if last is None else time_s - last.time_s
+        if has_pose:
+            pose = Pose(*(found[name] for name in POSE))
+        else:
+            here = Pose(0.0, 0.0, 0.0) if last is None else last.pose_in_odom
+            pose = here.moved(found["translation_mps"] * passed_s, found["rotation_radps"] * passed_s)
+        ahead_mps = turning_radps = 0.0
+        if last is not None and passed_s > 0.0:
+            way = pose.relative_to(last.pose_in_odom)
+            ahead_mps, turning_radps = way.x_m / passed_s, way.heading_rad / passed_s
+        return pose, (found.get("translation_mps", ahead_mps), found.get("rotation_radps", turning_radps))
 
     def _rest(self, reading: Reading) -> Dict[str, Any]:
         battery = number("battery", reading.battery, MOST)

@@ -16,7 +16,7 @@ import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Callable, Dict, List, Optional
 
-from ._connection import LINE_S, Connection, LineFault
+from ._connection import LINE_S, Connection, LineFault, address_of
 from ._guard import Guard, Halt
 from ._reading import Perceived, Perception
 from ._words import PROTOCOL, Bye, Commands, Hello, WordsError, bye, heard, line_of, shortened
@@ -256,7 +256,7 @@ class Server:
         if len(self._door) >= MOST_AT_DOOR:
             longest = next(iter(self._door))
             self._refuse(longest, f"{MOST_AT_DOOR} wait without a greeting; {longest.address}")
-        connection = Connection(stream, ":".join(map(str, address[:2])), clock())
+        connection = Connection(stream, address_of(address), clock())
         self._selector.register(stream, selectors.EVENT_READ, connection)
         self._door[connection] = None
 

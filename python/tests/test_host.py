@@ -1,6 +1,7 @@
 """How a host serves missions, without rpl and without a robot."""
 
 import contextlib
+import io
 import json
 import math
 import signal
@@ -12,24 +13,17 @@ import time
 import unittest
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Iterator, List, Optional
 from unittest import mock
 
-from rpl_host import CameraReading, Halt, Host, Reading, ReadingError, Record
+from missions import FOREVER_S, HELLO, Client, Served, commands, until
+from rpl_host import CameraReading, Halt, Host, Reading, ReadingError
 from rpl_host._guard import Guard
 from rpl_host._reading import Perceived, Perception, Pose
-from rpl_host._server import Server, Service
+from rpl_host._server import Service
 from rpl_host._words import WordsError, heard, token_of
 
 PACKAGES = Path(__file__).parent.parent
-HELLO = {"type": "hello", "protocol": 2, "rpl": "0.2.0", "robot": "fly", "mission": "plan.rpl"}
-FOREVER_S = 10.0
-"""What a test waits for comes at once, or something is wrong."""
-
-
-def commands(number: int, translation_mps: float = 0.5, **more: Any) -> Dict[str, Any]:
-    speeds = {"translation_mps": translation_mps, "rotation_radps": 0.0}
-    return {"type": "commands", "number": number, **speeds, "sonars_on": True, **more}
 
 
 class Fly(Host):
@@ -40,13 +34,15 @@ class Fly(Host):
     start_known = True
 
     def __init__(self) -> None:
-        self.reading = Reading(5.0, 1.0, math.pi / 2)
+        self.y_m = 1.0
+        self.reading = Reading(5.0, self.y_m, math.pi / 2)
         self.speed_mps = 0.0
         self.calls: List[Any] = []
         self.notices: List[str] = []
 
     def step(self) -> None:
-        self.reading = replace(self.reading, y_m=float(self.reading.y_m) + self.speed_mps * self.period_s)
+        self.y_m += self.speed_mps * self.period_s
+        self.reading = replace(self.reading, y_m=self.y_m)
 
     def read(self) -> Reading:
         return self.reading
@@ -76,98 +72,6 @@ class Fly(Host):
 
     def tell(self, notice: str) -> None:
         self.notices.append(notice)
-
-
-class Client:
-    """A mission, as far as a host can tell."""
-
-    def __init__(self, address: Tuple[str, int]) -> None:
-        self.stream = socket.create_connection(address, timeout=FOREVER_S)
-        self._lines = self.stream.makefile("rb")
-
-    def say(self, *messages: Any) -> None:
-        self.stream.sendall(b"".join(json.dumps(message).encode() + b"\n" for message in messages))
-
-    def hear(self) -> Dict[str, Any]:
-        line = self._lines.readline()
-        assert line, "the line is closed"
-        found: Dict[str, Any] = json.loads(line)
-        return found
-
-    def hear_until(self, fits: Callable[[Dict[str, Any]], bool]) -> Dict[str, Any]:
-        """What comes first and is so."""
-        message = self.hear()
-        while not fits(message):
-            message = self.hear()
-        return message
-
-    def farewell(self) -> str:
-        """Why it has to go; then the line is closed."""
-        reason: str = self.hear_until(lambda message: message["type"] == "bye")["reason"]
-        assert self._lines.readline() == b""
-        self.close()
-        return reason
-
-    def close(self) -> None:
-        self._lines.close()
-        self.stream.close()
-
-
-class Served:
-    """A host that is served in another thread as long as this lasts."""
-
-    def __init__(self, host: Host, service: Service = Service(start_known=True)) -> None:
-        self.record: Optional[Record] = None
-        self.error: Optional[BaseException] = None
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.address: Tuple[str, int] = self._listener.getsockname()
-        self._ends = threading.Event()
-        self.server = Server(host, self._listener, service, self._ends.is_set)
-        self._thread = threading.Thread(target=self._serve)
-        self._clients: List[Client] = []
-
-    def _serve(self) -> None:
-        try:
-            self.record = self.server.run()
-        except BaseException as error:
-            self.error = error
-
-    def __enter__(self) -> "Served":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        # The host would wait for them.
-        for client in self._clients:
-            client.close()
-        self.end()
-
-    def end(self) -> None:
-        self._ends.set()
-        self.wait()
-
-    def wait(self) -> None:
-        self._thread.join(FOREVER_S)
-        assert not self._thread.is_alive(), "the host does not end"
-
-    def client(self, *messages: Any) -> Client:
-        client = Client(self.address)
-        self._clients.append(client)
-        client.say(*messages)
-        return client
-
-    def mission(self, *messages: Any) -> Client:
-        """One that has the robot."""
-        client = self.client(HELLO, *messages)
-        assert client.hear()["type"] == "hello"
-        return client
-
-
-def until(fits: Callable[[], bool]) -> None:
-    end_s = time.monotonic() + FOREVER_S
-    while not fits():
-        assert time.monotonic() < end_s, "it does not happen"
-        time.sleep(0.001)
 
 
 class Missions(unittest.TestCase):
@@ -370,6 +274,24 @@ class Safety(unittest.TestCase):
             self.assertIsInstance(served.error, OSError)
             self.assertEqual(fly.calls[-1], ("drive", 0.0, 0.0))
 
+    def test_commands_that_waited_while_the_robot_took_long_do_not_count(self) -> None:
+        fly = Fly()
+        drove: List[float] = []
+
+        def hang(host: Fly) -> None:
+            """What came before it ended may have come when it began."""
+            if not drove:
+                mission.say(commands(0))
+                time.sleep(0.5)
+            drove.append(host.speed_mps)
+
+        with Served(fly) as served, mock.patch.object(Fly, "step", hang):
+            mission = served.mission()
+            mission.say(commands(0))
+            until(lambda: len(drove) > 1)
+        self.assertEqual(drove[:2], [0.5, 0.0])
+        self.assertIn("the motors are off: no commands for 0.3 s", fly.notices)
+
     def test_what_cannot_be_perceived_is_told_by_its_name(self) -> None:
         fly = Fly()
         fly.reading = replace(fly.reading, laser_m=[1.0] * 8)
@@ -536,6 +458,21 @@ class Programs(unittest.TestCase):
             self.assertIn("here is `plan.rpl` from 127.0.0.1:", errors)
             self.assertIn("1 mission(s), ", errors)
 
+    def test_a_host_is_served_at_a_socket_until_it_is_stopped(self) -> None:
+        fly, listener = Fly(), socket.create_server(("127.0.0.1", 0))
+        records: List[Any] = []
+        serving = threading.Thread(target=lambda: records.append(fly.serve(listener)))
+        with contextlib.redirect_stdout(io.StringIO()):
+            serving.start()
+            mission = Client(listener.getsockname())
+            mission.say(HELLO, commands(0))
+            self.assertEqual([mission.hear()["type"] for _ in range(2)], ["hello", "percept"])
+            fly.stop()
+            self.assertEqual(mission.farewell(), "the host has ended")
+            serving.join(FOREVER_S)
+        self.assertEqual([record.missions for record in records], [1])
+        self.assertTrue(fly.notices[-1].startswith("1 mission(s), "), fly.notices)
+
     def test_what_cannot_be_served_is_refused_before_anybody_comes(self) -> None:
         nameless = type("Nameless", (Fly,), {"robot": None})()
         with self.assertRaisesRegex(TypeError, "`robot` of Nameless is to be the `name` in the robot's file"):
@@ -562,7 +499,8 @@ class Readings(unittest.TestCase):
             ({"x_m": math.nan}, "`x_m` is nan"),
             ({"heading_rad": math.inf}, "`heading_rad` is inf"),
             ({"y_m": bad}, "`y_m` is a str, and a number is expected"),
-            ({"y_m": none}, "`y_m` is a NoneType"),
+            ({"y_m": none}, "a reading has a pose, `x_m`, `y_m` and `heading_rad`, or both speeds"),
+            ({"x_m": none, "y_m": none, "heading_rad": none, "translation_mps": 0.1}, "or both speeds"),
             ({"translation_mps": math.nan}, "`translation_mps` is nan"),
             ({"laser_m": [1.0, math.inf]}, "`laser_m[1]` is inf, and no distance; without an echo it is the `range`"),
             ({"laser_m": [1.0, 1.0, 0.0]}, "`laser_m[2]` is 0, and nothing is in the laser"),
@@ -598,6 +536,15 @@ class Readings(unittest.TestCase):
         told = perception.take(Reading(0.9, 1.0, -3.1, translation_mps=0.3, rotation_radps=-0.2), 0.2)
         self.assertEqual((told.speeds, told.stands()), ((0.3, -0.2), False))
         self.assertTrue(perception.take(Reading(0.9, 1.0, -3.1), 0.3).stands())
+
+    def test_a_pose_that_is_left_out_is_the_sum_of_the_speeds(self) -> None:
+        perception = Perception()
+        for at in range(101):
+            pose = perception.take(Reading(translation_mps=0.5, rotation_radps=math.pi / 10), at / 10).pose_in_odom
+        # In ten seconds it has gone half around a circle of five metres' length.
+        self.assertAlmostEqual(pose.heading_rad, math.pi)
+        self.assertAlmostEqual(pose.x_m, 0.0)
+        self.assertAlmostEqual(pose.y_m, 10 / math.pi, places=2)
 
     def test_a_pose_is_seen_from_where_the_mission_began(self) -> None:
         began = Perceived(5.0, Pose(2.0, 3.0, math.pi / 2), (0.0, 0.0), False, {})
