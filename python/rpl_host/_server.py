@@ -42,8 +42,9 @@ LOOK_EVERY_S = 0.05
 MOST_BEHIND_S = 0.5
 """A host that is so far behind the clock goes on from there and does not hurry."""
 
-TELL_EVERY_S = 1.0
-"""How often those who were refused are told of, and that the host is behind."""
+TELL_REFUSALS_EVERY_S = 1.0
+
+TELL_DELAYS_EVERY_S = 10.0
 
 FAREWELL_S = 0.5
 """At its end the host waits so long for the others to hear why."""
@@ -82,13 +83,14 @@ class Record:
 class Seldom:
     """Tells what may happen many times a second: once, and then how often it has happened since."""
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
+    def __init__(self, tell: Callable[[str], None], every_s: float) -> None:
         self._tell = tell
+        self._every_s = every_s
         self._told_s: Optional[float] = None
         self._untold = 0
 
     def tell(self, notice: str) -> None:
-        if self._told_s is not None and clock() - self._told_s < TELL_EVERY_S:
+        if self._told_s is not None and clock() - self._told_s < self._every_s:
             self._untold += 1
             return
         more = f" (and {self._untold} more like it before)" if self._untold else ""
@@ -144,7 +146,8 @@ class Server:
         self._actuators = Actuators(host)
         self._began_s = self._polled_s = clock()
         self._steps = 0
-        self._refusals, self._delays = Seldom(host.tell), Seldom(host.tell)
+        self._refusals = Seldom(host.tell, TELL_REFUSALS_EVERY_S)
+        self._delays = Seldom(host.tell, TELL_DELAYS_EVERY_S)
 
     def run(self) -> Record:
         """Serves until it is told to stop, or the robot's methods raise; then the motors are off."""

@@ -13,8 +13,7 @@ class IrSim(Host):
     start_known = True
 
     def __init__(self, world: World, seed: int = 1) -> None:
-        model = str(Path(__file__).with_name("world.yaml"))
-        self.env = irsim.make(model, headless=True, seed=seed, log_level="ERROR")
+        self.env = irsim.make(str(Path(__file__).with_name("world.yaml")), headless=True, seed=seed)
         self.env.robot.set_state(world.start, init=True)
         self.env.add_objects([self.env.create_obstacle(**obstacle(shape)) for shape in world.shapes])
 
