@@ -24,8 +24,8 @@ class Host(abc.ABC):
     """A robot that missions drive, one at a time.
 
     All methods are called in the thread that serves, ``drive`` and ``read`` once a period. While one of them works
-    nobody can stop the motors: each has to return well within a period. An exception of theirs ends the host, with the
-    motors off, and the mission hears it.
+    nobody else can stop the motors, unless ``halts_any_time``: each has to return well within a period. An exception
+    of theirs ends the host, with the motors off, and the mission hears it.
     """
 
     robot: str
@@ -34,6 +34,8 @@ class Host(abc.ABC):
     """From one percept to the next, in the robot's time; the ``step`` in the robot's file."""
     start_known: bool = False
     """Whether the robot stands where the world says that it starts. Only the first mission is told."""
+    halts_any_time: bool = False
+    """Whether ``halt`` may be called from another thread while a method works. Then it is, when that takes too long."""
 
     @abc.abstractmethod
     def read(self) -> Reading:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Callable, Dict, List, Optional
 from ._connection import LINE_S, Connection, LineFault, address_of
 from ._guard import Guard, Halt
 from ._reading import Perceived, Perception
+from ._watchdog import Watchdog
 from ._words import PROTOCOL, Bye, Commands, Hello, WordsError, bye, heard, line_of, shortened
 
 if TYPE_CHECKING:
@@ -144,6 +145,7 @@ class Server:
         self._guard = Guard()
         self._perception = Perception()
         self._actuators = Actuators(host)
+        self._watchdog = Watchdog(host.halt if host.halts_any_time else None)
         self._began_s = self._polled_s = clock()
         self._steps = 0
         self._refusals = Seldom(host.tell, TELL_REFUSALS_EVERY_S)
@@ -154,7 +156,8 @@ class Server:
         why: Optional[str] = None
         try:
             self._actuators.halt()
-            self._run()
+            with self._watchdog:
+                self._run()
         except BaseException as error:
             why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
             raise
@@ -176,7 +179,10 @@ class Server:
             self._look_at_connections(now_s)
             if self.record.missions == 0 or (due_s is not None and now_s < due_s):
                 continue
+            # While the robot's methods work nothing is heard: the silence begins where it would anyway.
+            self._watchdog.expect(self._guard.silent_at_s())
             self._step()
+            self._watchdog.expect(None)
             due_s = (now_s if due_s is None else due_s) + period_s
             took_s = clock() - now_s
             if clock() > due_s + MOST_BEHIND_S:

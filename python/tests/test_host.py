@@ -292,6 +292,29 @@ class Safety(unittest.TestCase):
         self.assertEqual(drove[:2], [0.5, 0.0])
         self.assertIn("the motors are off: no commands for 0.3 s", fly.notices)
 
+    def test_a_method_that_hangs_does_not_keep_the_motors_on(self) -> None:
+        class Hanging(Fly):
+            halts_any_time = True
+
+            def __init__(self) -> None:
+                super().__init__()
+                self.is_off = threading.Event()
+                self.was_cut = False
+
+            def step(self) -> None:
+                self.is_off.clear()
+                # It comes back only because somebody else has cut the motors meanwhile.
+                self.was_cut = self.was_cut or self.is_off.wait(FOREVER_S)
+
+            def halt(self) -> None:
+                super().halt()
+                self.is_off.set()
+
+        hanging = Hanging()
+        with Served(hanging) as served:
+            served.mission(commands(0)).hear()
+            self.assertTrue(hanging.was_cut)
+
     def test_what_cannot_be_perceived_is_told_by_its_name(self) -> None:
         fly = Fly()
         fly.reading = replace(fly.reading, laser_m=[1.0] * 8)
