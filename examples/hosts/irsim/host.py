@@ -25,6 +25,7 @@ class IrSim(Host):
 
     def read(self) -> Reading:
         robot, scan = self.env.robot, self.env.get_lidar_scan()
+        # Without a pose the host adds up the speeds, which here are what the wheels were told, not what they did.
         return Reading(None, None, None, *robot.velocity.flat, laser_m=scan["ranges"], bumped=robot.contact.in_contact)
 
 
