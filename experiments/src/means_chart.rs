@@ -64,10 +64,15 @@ impl Panel<'_> {
 pub struct Panels<'r> {
     panels: Vec<Panel<'r>>,
     /// Whether the rows are differences: zero is marked.
-    pub are_differences: bool,
+    are_differences: bool,
 }
 
 impl<'r> Panels<'r> {
+    /// None yet, of differences.
+    pub fn of_differences() -> Self {
+        Self { are_differences: true, ..Self::default() }
+    }
+
     /// A row of a quantity, below those that it has.
     pub fn add(&mut self, quantity: &'r str, row: Row<'r>) {
         match self.panels.iter_mut().find(|panel| panel.quantity == quantity) {
@@ -134,7 +139,8 @@ fn drawn(mut document: Document, panel: &Panel<'_>, has_zero: bool, left: f64, t
         ));
     }
     if has_zero {
-        document = document.add(line((x(0.0), top + HEAD - 6.0), (x(0.0), bottom), palette::QUIET).set("stroke-width", 2));
+        document =
+            document.add(line((x(0.0), top + HEAD - 6.0), (x(0.0), bottom), palette::QUIET).set("stroke-width", 2));
     }
     for (at, Row { variant, name, mean, interval_95: (least, most) }) in panel.rows.iter().enumerate() {
         let y = top + HEAD + ROW * (at as f64 + 0.5) - 3.0;

@@ -93,7 +93,8 @@ fn of_module(system: &System<Robot>, name: &str) -> Option<Vec<String>> {
     let behaviour = || {
         let spec = tables.behaviours.iter().find(|spec| spec.name == name)?;
         let signature = format!("(run-behaviour {name} {})", spec.parameters);
-        let valve = spec.valve.as_ref().map_or(String::new(), |valve| format!(", which drives with the valve `{valve}`"));
+        let valve =
+            spec.valve.as_ref().map_or(String::new(), |valve| format!(", which drives with the valve `{valve}`"));
         Some((signature, spec.doc.to_string(), format!("a behaviour of a module{valve}")))
     };
     let fluent = || {

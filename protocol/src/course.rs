@@ -63,6 +63,8 @@ struct Silence {
     on_us: u64,
     /// For how long it has been on by what the host says has taken effect, and told nothing.
     silent_us: u64,
+    /// Whether it has ever told anything since it is on.
+    has_told: bool,
 }
 
 /// What became of a percept.
@@ -193,6 +195,13 @@ impl Course {
         self.host_odom_in_odom.compose(self.robot_in_host_odom)
     }
 
+    /// Whether a sensor that shows what is in the way is on and has told nothing yet: a robot that sees nothing of what
+    /// it is to see does not drive.
+    pub fn is_blind(&self) -> bool {
+        let [sonars, laser, ..] = self.sensors;
+        [sonars, laser].into_iter().flatten().any(|sensor| sensor.silent_us > 0 && !sensor.has_told)
+    }
+
     /// What is on and has not failed tells something, or has not been silent for long. Commands that have not taken
     /// effect yet switch nothing on, unless that takes too long.
     fn look_at_sensors(
@@ -234,6 +243,7 @@ impl Course {
                 true => silence.silent_us.saturating_add(robot.step_us),
                 false => 0,
             };
+            silence.has_told |= tells;
             if silence.silent_us > MOST_SILENT_US.max(its_us) {
                 return Err(format!(
                     "`{name}` has been missing for {:.1} s, and the robot `{}` has it: a sensor that has failed is named \
@@ -439,6 +449,21 @@ mod tests {
             assert_eq!(number, 20, "after a second");
             assert_eq!(lost_at(&[failed]), (None, vec![ReportKind::SensorFailed]));
         }
+    }
+
+    #[test]
+    fn a_robot_is_blind_until_its_sensor_has_told_something_once() {
+        let mut heard = Heard::of("b21");
+        let silent = |number: u64| PerceptMessage { sonar_m: None, ..message(number, (number + 1) * PERIOD_US, 0.0) };
+        assert!(!heard.course.is_blind(), "nothing is missing yet");
+        for number in 0..3 {
+            heard.take(&silent(number)).expect("it may be late");
+            assert!(heard.course.is_blind());
+        }
+        heard.x_m(3, 4 * PERIOD_US, 0.0);
+        assert!(!heard.course.is_blind());
+        heard.take(&silent(4)).expect("a scan may be missing");
+        assert!(!heard.course.is_blind(), "what is in the way is known");
     }
 
     #[test]

@@ -5,6 +5,10 @@ use crate::host::SILENCE_US;
 use rpl_robot::simulator::{Commands, GripperCommand, Percept};
 use serde::Serialize;
 
+/// Wheels that are measured never say 0: a robot that is no faster than this stands.
+const STANDS_MPS: f64 = 0.01;
+const STANDS_RADPS: f64 = 0.02;
+
 /// Why motors are off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
@@ -85,7 +89,9 @@ impl Guard {
 
     fn look(&mut self, now_us: u64, percept: Option<&Percept>) -> Option<Halt> {
         let is_bumped = percept.is_some_and(|percept| percept.bumped);
-        let stands = percept.is_none_or(|percept| percept.translation_mps == 0.0 && percept.rotation_radps == 0.0);
+        let stands = percept.is_none_or(|percept| {
+            percept.translation_mps.abs() <= STANDS_MPS && percept.rotation_radps.abs() <= STANDS_RADPS
+        });
         let is_new_bump = is_bumped && !std::mem::replace(&mut self.was_bumped, is_bumped);
         if self.halt == Some(Halt::Bumper) && stands {
             self.halt = None;

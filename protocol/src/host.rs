@@ -405,7 +405,7 @@ impl PerceptMessage {
         let sonars = sensors.sonars.as_ref().map_or(0, |sonars| sonars.mounts.len());
         let sonar_m = self.sonar_m.as_deref().map(|readings| ranges("sonar_m", readings, sonars)).transpose()?;
         let readings = sensors.laser.map_or(0, |laser| laser.readings);
-        let laser_m = self.laser_m.as_deref().map(|found| ranges("laser_m", found, readings)).transpose()?;
+        let laser_m = self.laser_m.as_deref().map(|found| laser_ranges(found, readings)).transpose()?;
         let camera = self.camera.as_ref().map(|told| told.reading(camera)).transpose()?;
         let motion = match self.gripper {
             GripperMotionMessage::Open => GripperMotion::Open,
@@ -491,6 +491,15 @@ fn signals_of(messages: &SignalMessages) -> Signals {
 /// Metres, metres a second or radians that no robot comes to.
 const MOST: f64 = 1e6;
 
+/// A laser's readings. None is at the robot's middle: drivers say so where there was no echo.
+fn laser_ranges(readings: &[f32], expected: usize) -> Result<&[f32], String> {
+    let readings = ranges("laser_m", readings, expected)?;
+    match readings.iter().position(|&reading| reading == 0.0) {
+        Some(at) => Err(format!("`laser_m[{at}]` is 0; a reading without an echo is the range of the laser")),
+        None => Ok(readings),
+    }
+}
+
 fn ranges<'a>(name: &str, readings: &'a [f32], expected: usize) -> Result<&'a [f32], String> {
     if readings.len() != expected {
         return Err(format!("`{name}` has {} readings, and {expected} are expected", readings.len()));
@@ -501,12 +510,24 @@ fn ranges<'a>(name: &str, readings: &'a [f32], expected: usize) -> Result<&'a [f
     }
 }
 
-/// A message of one line.
+/// A message of one line. JSON has no numbers that are not finite: where a program has written one all the same, it is
+/// named.
 ///
 /// # Errors
 /// One clause that says what is wrong with it.
 pub fn read<'t, M: Deserialize<'t>>(line: &'t str) -> Result<M, String> {
-    serde_json::from_str(line).map_err(|error| clause(&error.to_string().replace(" at line 1 column ", ", at column ")))
+    serde_json::from_str(line).map_err(|error| {
+        let at = error.column().saturating_sub(1);
+        let behind = line.get(at.saturating_sub(1)..).unwrap_or_default();
+        let found = ["NaN", "-Infinity", "Infinity"].into_iter().find(|word| behind.starts_with(word));
+        match found {
+            Some(word) => clause(&format!(
+                "`{word}`, at column {}, which is no number of JSON; a reading without an echo is the range of its sensor",
+                error.column()
+            )),
+            None => clause(&error.to_string().replace(" at line 1 column ", ", at column ")),
+        }
+    })
 }
 
 /// A message as a line, with its end.

@@ -130,7 +130,9 @@ impl RemoteHost {
 
 impl Host for RemoteHost {
     fn step(&mut self, commands: &Commands, reports: &mut Vec<Report>) -> Result<Percept, HostLost> {
-        let words = CommandsMessage::new(self.course.next, commands);
+        let standing =
+            self.course.is_blind().then(|| Commands { translation_mps: 0.0, rotation_radps: 0.0, ..commands.clone() });
+        let words = CommandsMessage::new(self.course.next, standing.as_ref().unwrap_or(commands));
         if commands.gripper != GripperCommand::None {
             self.gripper_told = Some(words.number);
         }

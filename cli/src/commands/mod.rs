@@ -196,6 +196,28 @@ fn option_meant(error: &clap::Error) -> Option<&'static str> {
 mod tests {
     use super::*;
 
+    /// What is said of a command line that is wrong.
+    fn told(words: &[&str]) -> String {
+        match CommandLine::try_parse_from(words) {
+            Ok(_) => panic!("{words:?} is right"),
+            Err(error) => with_suggestion(error).to_string(),
+        }
+    }
+
+    #[test]
+    fn options_of_other_programs_are_told_by_what_they_are_called_here() {
+        assert!(told(&["rpl", "run", "p.rpl", "--world", "dept", "--time", "60"]).contains("'--until'"));
+        assert!(told(&["rpl", "run", "p.rpl", "--output", "x"]).contains("'--trace'"));
+        assert!(!told(&["rpl", "fmt", "p.rpl", "--time", "60"]).contains("--until"), "`rpl fmt` has no time");
+        assert!(told(&["rpl", "run", "p.rpl", "--wrld", "dept"]).contains("'--world'"));
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_told_in_plain_words() {
+        let told = told(&["rpl", "run", "p.rpl", "--seed", "abc"]);
+        assert!(told.contains("`abc` is no value of `--seed <N>`: write a whole number"), "{told}");
+    }
+
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();

@@ -5,7 +5,7 @@ use crate::means_chart::{Panels, Row};
 
 /// The chart of how variants differ from the first one; none if there is nothing to compare.
 pub fn differences(all: &[PairedDifferences]) -> Option<String> {
-    let mut panels = Panels { are_differences: true, ..Panels::default() };
+    let mut panels = Panels::of_differences();
     let against = &all.first()?.against;
     for (number, of_variant) in all.iter().enumerate() {
         let (variant, name) = (number + 1, of_variant.name.as_str());

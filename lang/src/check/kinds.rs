@@ -187,19 +187,26 @@ pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
     signature.kinds.get(at).copied().or(signature.rest).unwrap_or(Kind::Any)
 }
 
-/// The kind of argument a function of the library takes at a position, as far as its parameter says.
+/// The kind of argument a function of the library takes at a position, as far as its parameter says. Of words such as
+/// `pattern` and `names` the library has more than one sense; a number, a function and a fluent are always that.
 pub(super) fn kind_of_parameter(check: &Check<'_>, global: u32, at: usize) -> Kind {
-    let kind = || check.parameter_name(global, at).and_then(Kind::of_parameter).unwrap_or(Kind::Any);
     let is_by_position = |parameters: &Parameters| at < usize::from(parameters.required + parameters.optional);
-    if !is_library(check, global)
-        || !check.known(global).is_some_and(|known| is_by_position(&known.function.parameters))
-    {
-        return Kind::Any;
-    }
-    match takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new()) {
-        // A number is told of as such.
-        true => Kind::Any,
-        false => kind(),
+    let known =
+        check.known(global).filter(|known| is_library(check, global) && is_by_position(&known.function.parameters));
+    let word = known.and_then(|_| check.parameter_name(global, at));
+    match word.and_then(Kind::of_parameter).unwrap_or(Kind::Any) {
+        // A number in place of a place is told of as such.
+        _ if known.is_some() && takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new()) => Kind::Any,
+        kind @ (Kind::Number
+        | Kind::Integer
+        | Kind::Seconds
+        | Kind::Angle
+        | Kind::Function
+        | Kind::Fluent
+        | Kind::Task
+        | Kind::Valve
+        | Kind::Behaviour) => kind,
+        _ => Kind::Any,
     }
 }
 

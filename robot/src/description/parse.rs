@@ -76,7 +76,8 @@ impl RobotDescription {
     /// All faults of the file at once: text that is not TOML, unknown or missing keys, values of the wrong
     /// kind or size, speeds that the motors do not reach, a robot that sees nothing.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, FileFaults> {
-        let mut reader = Reader { kind: "robot", top_keys: &ROBOT_KEYS, file: file_name, text, findings: Findings::default() };
+        let mut reader =
+            Reader { kind: "robot", top_keys: &ROBOT_KEYS, file: file_name, text, findings: Findings::default() };
         let (document, errors) = DeTable::parse_recoverable(text);
         reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
@@ -241,7 +242,7 @@ fn read_sonar<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, radius_m: 
     Some(Sonar {
         layout: layout?,
         cone_rad: cone_rad?,
-        range_m: range_m?,
+        range_m: as_reading(range_m?),
         noise_m: noise_m?,
         noise_per_m: noise_per_m?,
         specular_angle_rad: specular_angle_rad?,
@@ -327,8 +328,13 @@ fn read_laser<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<
         reader.note(table.span_of("resolution"), "resolution", message, "take a coarser resolution");
         return None;
     }
-    let scanner = LaserScanner { readings, resolution_deg, range_m: range_m? };
+    let scanner = LaserScanner { readings, resolution_deg, range_m: as_reading(range_m?) };
     Some(Laser { scanner, noise_m: noise_m?, dropout_probability: dropout_probability? })
+}
+
+/// A range as a reading tells it: a reading that is equal to the range has no echo.
+fn as_reading(range_m: f64) -> f64 {
+    f64::from(range_m as f32)
 }
 
 /// An angle as it was written: to a millionth of a degree.

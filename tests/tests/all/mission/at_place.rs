@@ -56,3 +56,17 @@ fn a_place_that_cannot_be_come_back_to_fails_the_work() {
     assert!(run.outcome().starts_with("failed: blocked"), "{}", run.outcome());
     assert!(told(&run).len() < 6);
 }
+
+#[test]
+fn the_patience_of_a_place_is_that_of_the_way_to_it() {
+    let failed_at_s = |patience: &str| {
+        let plan = format!(
+            "(with-failure-handling ((blocked (f) (print (now)))) (at-place 'table-side {patience} (wait-time 600 :active)))"
+        );
+        let scenario = "(wait-time 20) (teleport-robot! 6.5 1.5 0) (close-door! 'east)";
+        let run = Mission::new(test_room(), &plan).with_scenario(scenario).run(1, 900.0);
+        run.output.first().and_then(|line| line.parse::<f64>().ok())
+    };
+    let (patient_s, impatient_s) = (failed_at_s("").expect("it fails"), failed_at_s(":patience 5").expect("it fails"));
+    assert!(impatient_s + 5.0 < patient_s, "{impatient_s} and {patient_s}");
+}
