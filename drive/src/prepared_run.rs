@@ -135,8 +135,8 @@ impl PreparedRun {
     fn tell_divergence(&self, console: &mut Console) {
         let of_host = self.host_lines.as_ref().and_then(HostLines::divergence);
         let divergence = of_host.or_else(|| self.modules.divergence());
-        if let (Some(divergence), Some(office)) = (divergence, self.site.office()) {
-            console.note(&astray(&divergence, office.settings.robot.step_us));
+        if let (Some(divergence), Some(period_us)) = (divergence, self.site.period_us()) {
+            console.note(&astray(&divergence, period_us));
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::trace::{TraceFile, TracedPose};
 use rpl_link::journal::ledger::Written;
 use rpl_link::recording::Typed;
 use rpl_mission::robot::Robot;
+use rpl_mission::site::Site;
 use rpl_runtime::run::system::{System, Turn};
 use rpl_shell::interrupt;
 use rpl_shell::terminal::console::Console;
@@ -42,6 +43,14 @@ pub struct Pace {
     pub stopped_us: Option<u64>,
     /// Virtual seconds for each second of the wall clock; as fast as possible without.
     pub factor: Option<f64>,
+}
+
+impl Pace {
+    /// How fast a run goes by the clock at a site if this is asked for: where what is outside does not wait, as fast as
+    /// the clock.
+    pub fn factor_at(site: &Site, asked: Option<f64>) -> Option<f64> {
+        asked.or_else(|| site.goes_by_clock().then_some(1.0))
+    }
 }
 
 /// What becomes of a run that was told to stop.

@@ -48,6 +48,9 @@ pub enum SiteError {
     /// Modules in other processes do not fit together, or not with the robot and the language.
     #[error("{0}")]
     Modules(String),
+    /// A module in another process needs a robot, and there is none; as a clause about it.
+    #[error("{0}, and there is none; add `--world dept`")]
+    ModuleWithoutRobot(String),
     /// The plans of a module in another process have faults in their text.
     #[error("the plans of a module are wrong\n{}", .0.render(false).trim_end())]
     ModulePlans(Rejected),

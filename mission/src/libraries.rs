@@ -48,6 +48,24 @@ pub(crate) fn robotless_library<M: Module>(
     plan_library(base_natives(), own, compile, robot_names)
 }
 
+/// What plans can call where there are these modules and no robot. The names of our robot that they leave free are known
+/// as such.
+///
+/// # Errors
+/// As for [`robot_library`].
+pub(crate) fn modules_library<M: Module>(
+    modules: &Composition<M>,
+    own: Vec<Native>,
+) -> Result<Arc<Library>, SiteError> {
+    let natives = [base_natives(), modules.functions.clone()].concat();
+    let (reserved, theirs) = (modules.reserved_names(), modules.robot_names());
+    let robot_names: Names = LazyLock::new(Box::new(move || {
+        let of_robot = own_modules().robot_names().into_iter().filter(|name| !theirs.contains(name));
+        of_robot.chain(reserved).collect()
+    }));
+    plan_library(natives, own, |natives| compile(natives, &modules.tables, &modules.plans), robot_names)
+}
+
 /// What plans can call on a robot of these modules, and these native functions.
 ///
 /// # Errors

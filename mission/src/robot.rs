@@ -3,6 +3,7 @@
 use crate::modules::SiteModules;
 use crate::sight::{Account, PositionBelief, Sight};
 use rpl_lang::symbol::Symbol;
+use rpl_protocol::module::modules_alone::ModulesAlone;
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_robot::active::{ActionField, Choice};
 use rpl_robot::geometry::{Pose, Vector, Velocity};
@@ -33,13 +34,15 @@ pub enum Robot<M: Module = SiteModules> {
     Office(Box<OfficeRobot<SimulatedHost, M>>),
     /// The same robot, moved by another process.
     Remote(Box<OfficeRobot<RemoteHost, M>>),
+    /// No robot of ours: all that there is are modules in other processes.
+    Modules(Box<ModulesAlone>),
 }
 
 impl<M: Module> Robot<M> {
     /// What can be seen of it.
     pub fn sight(&self) -> Option<Sight> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some(sight(robot, Some(robot.true_pose_in_map()))),
             Robot::Remote(robot) => Some(sight(robot, None)),
         }
@@ -48,7 +51,7 @@ impl<M: Module> Robot<M> {
     /// Probability that it is not lost.
     pub fn tracking(&self) -> Option<f64> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some(robot.tracking()),
             Robot::Remote(robot) => Some(robot.tracking()),
         }
@@ -57,7 +60,7 @@ impl<M: Module> Robot<M> {
     /// Where it really is; none if its host is another process, which does not tell.
     pub fn true_pose_in_map(&self) -> Option<Pose> {
         match self {
-            Robot::Absent(_) | Robot::Remote(_) => None,
+            Robot::Absent(_) | Robot::Remote(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some(robot.true_pose_in_map()),
         }
     }
@@ -65,7 +68,7 @@ impl<M: Module> Robot<M> {
     /// Whether it does not know where it is.
     pub fn is_lost(&self) -> bool {
         match self {
-            Robot::Absent(_) => false,
+            Robot::Absent(_) | Robot::Modules(_) => false,
             Robot::Office(robot) => is_lost(robot),
             Robot::Remote(robot) => is_lost(robot),
         }
@@ -84,7 +87,7 @@ impl<M: Module> Robot<M> {
     /// The simulated world it is in; none if its host is another process. No plan sees it.
     pub fn simulated_world(&self) -> Option<(&World, &SimulatorState)> {
         match self {
-            Robot::Absent(_) | Robot::Remote(_) => None,
+            Robot::Absent(_) | Robot::Remote(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some((&robot.host.model.world, &robot.host.state)),
         }
     }
@@ -92,7 +95,7 @@ impl<M: Module> Robot<M> {
     /// What it did so far.
     pub fn account(&self) -> Option<Account> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => {
                 let contacts = robot.contacts();
                 Some(Account {
@@ -121,14 +124,14 @@ impl<M: Module> Robot<M> {
         match (self, earlier) {
             (Robot::Office(robot), Robot::Office(earlier)) => robot.bytes_apart(earlier),
             (Robot::Remote(robot), Robot::Remote(earlier)) => robot.bytes_apart(earlier),
-            (Robot::Absent(_) | Robot::Office(_) | Robot::Remote(_), _) => 0,
+            (Robot::Absent(_) | Robot::Office(_) | Robot::Remote(_) | Robot::Modules(_), _) => 0,
         }
     }
 
     /// Where it may be.
     pub fn belief(&self) -> Option<PositionBelief> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => belief(robot),
             Robot::Remote(robot) => belief(robot),
         }
@@ -137,7 +140,7 @@ impl<M: Module> Robot<M> {
     /// The filter; none without a map.
     pub fn localization(&self) -> Option<&Localization> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => robot.localization(),
             Robot::Remote(robot) => robot.localization(),
         }
@@ -170,7 +173,7 @@ impl<M: Module> Robot<M> {
     /// What its sensors found at the last step.
     pub fn percept(&self) -> Option<&Percept> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => robot.percept(),
             Robot::Remote(robot) => robot.percept(),
         }
@@ -179,7 +182,7 @@ impl<M: Module> Robot<M> {
     /// What is asked of its wheels.
     pub fn drive_request(&self) -> Option<Velocity> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some(robot.controller.board.drive_request),
             Robot::Remote(robot) => Some(robot.controller.board.drive_request),
         }
@@ -188,7 +191,7 @@ impl<M: Module> Robot<M> {
     /// What does not change of it.
     pub fn model(&self) -> Option<&Arc<OfficeModel>> {
         match self {
-            Robot::Absent(_) => None,
+            Robot::Absent(_) | Robot::Modules(_) => None,
             Robot::Office(robot) => Some(robot.model()),
             Robot::Remote(robot) => Some(robot.model()),
         }
@@ -209,6 +212,7 @@ impl<M: Module> Robot<M> {
             Robot::Absent(robot) => robot,
             Robot::Office(robot) => robot.as_ref(),
             Robot::Remote(robot) => robot.as_ref(),
+            Robot::Modules(modules) => modules.as_ref(),
         }
     }
 
@@ -217,6 +221,7 @@ impl<M: Module> Robot<M> {
             Robot::Absent(robot) => robot,
             Robot::Office(robot) => robot.as_mut(),
             Robot::Remote(robot) => robot.as_mut(),
+            Robot::Modules(modules) => modules.as_mut(),
         }
     }
 }
@@ -310,6 +315,7 @@ impl<M: Module> Outside for Robot<M> {
 const NOBODY: u8 = 0;
 const SIMULATED: u8 = 1;
 const REMOTE: u8 = 2;
+const MODULES: u8 = 3;
 
 impl<M: Module> SaveOutside for Robot<M> {
     fn save(&self, bytes: Vec<u8>) -> Vec<u8> {
@@ -317,6 +323,7 @@ impl<M: Module> SaveOutside for Robot<M> {
             Robot::Absent(robot) => (NOBODY, robot.save(bytes)),
             Robot::Office(robot) => (SIMULATED, robot.save(bytes)),
             Robot::Remote(robot) => (REMOTE, robot.save(bytes)),
+            Robot::Modules(modules) => (MODULES, modules.save(bytes)),
         };
         state.push(who);
         state
@@ -328,7 +335,13 @@ impl<M: Module> SaveOutside for Robot<M> {
             (NOBODY, Robot::Absent(robot)) => robot.load(state),
             (SIMULATED, Robot::Office(robot)) => robot.load(state),
             (REMOTE, Robot::Remote(robot)) => robot.load(state),
+            (MODULES, Robot::Modules(modules)) => modules.load(state),
+            (NOBODY, Robot::Modules(_)) => Err("the run was saved without modules, and there are some".into()),
+            (MODULES, _) => Err("the run was saved with modules and no robot, and this one is not like that".into()),
             (NOBODY, _) => Err("the run was saved without a robot, and there is one".into()),
+            (SIMULATED | REMOTE, Robot::Modules(_)) => {
+                Err("the run was saved with a robot, and there are only modules".into())
+            }
             (_, Robot::Absent(_)) => Err("the run was saved with a robot, and there is none".into()),
             (SIMULATED, _) => {
                 Err("the run was saved in the simulator, and its robot is moved by another process".into())

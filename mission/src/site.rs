@@ -3,14 +3,15 @@
 
 use crate::cost::{MEMORY_GIB, TooLarge};
 use crate::error::SiteError;
-use crate::foreign_modules::composed;
-use crate::libraries::{robot_library, robotless_library, scenario_library};
+use crate::foreign_modules::{alone, composed};
+use crate::libraries::{modules_library, robot_library, robotless_library, scenario_library};
 use crate::modules::{SiteModules, own_modules};
 use crate::robot::Robot;
 use crate::run::silence_continuous_fluents;
 use crate::scenario::Scenario;
 use rpl_lang::compile::Loader;
-use rpl_protocol::module::process_modules::ModuleSource;
+use rpl_protocol::module::modules_alone::{ModulesAlone, PERIOD_US};
+use rpl_protocol::module::process_modules::{ModuleSource, ProcessModules};
 use rpl_protocol::remote_host::RemoteHost;
 use rpl_robot::office::{Composition, Module, OfficeModel, OfficeRobot, OfficeSettings, SimulatedHost};
 use rpl_robot::world::World;
@@ -64,6 +65,8 @@ enum Premises {
     Robotless,
     /// Plans can name a robot, and there is none.
     Unbuilt,
+    /// There are modules in other processes and no robot.
+    Modules(Arc<Composition<ProcessModules>>),
     /// The robot is in a world.
     Office { model: Arc<OfficeModel>, scenario: Option<Scenario> },
 }
@@ -79,17 +82,32 @@ impl Site {
         Self::with_processes(setup, Vec::new())
     }
 
-    /// The same with modules in other processes beside those of the office robot.
+    /// The same with modules in other processes, beside those of the office robot or, without a world, alone.
     ///
     /// # Errors
-    /// As for [`Site::new`]; names of the modules are taken, or their plans have faults.
+    /// As for [`Site::new`]; names of the modules are taken, their plans have faults, or one needs a robot and there is
+    /// none.
     pub fn with_processes(setup: Setup, sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
-        let is_own = sources.is_empty();
-        let modules = composed(setup.rupart.clone(), sources)?;
-        Self::with_modules(setup, modules).map_err(|error| match error {
-            SiteError::Prelude(rejected) if !is_own => SiteError::ModulePlans(rejected),
+        if sources.is_empty() {
+            return Self::with_modules(setup.clone(), composed(setup.rupart, sources)?);
+        }
+        let (has_world, known) = (setup.world.is_some(), sources.clone());
+        let site = match has_world {
+            true => Self::with_modules(setup.clone(), composed(setup.rupart, sources)?),
+            false => Self::of_modules(alone(sources)?, setup.natives),
+        };
+        site.map_err(|error| match error {
+            SiteError::Prelude(_) if !has_world && Self::for_checking(known).is_ok() => {
+                SiteError::ModuleWithoutRobot("the plans of a module need a robot".to_string())
+            }
+            SiteError::Prelude(rejected) => SiteError::ModulePlans(rejected),
             other => other,
         })
+    }
+
+    fn of_modules(alone: Arc<Composition<ProcessModules>>, natives: Vec<Native>) -> Result<Self, SiteError> {
+        let library = modules_library(&alone, natives)?;
+        Ok(Self { library, modules: own_modules().clone(), premises: Premises::Modules(alone) })
     }
 
     /// A site without a robot.
@@ -108,6 +126,20 @@ impl Site {
     pub fn for_checking(sources: Vec<ModuleSource>) -> Result<Self, SiteError> {
         let modules = composed(RupartSettings::default(), sources)?;
         Ok(Self { library: robot_library(&modules, Vec::new())?, modules, premises: Premises::Unbuilt })
+    }
+
+    /// The sites that a plan may be for where no world is named, with these modules in other processes: one without a
+    /// robot, unless a module needs one, and one for checking.
+    ///
+    /// # Errors
+    /// As for [`Site::with_processes`].
+    pub fn without_world(sources: Vec<ModuleSource>) -> Result<Vec<Self>, SiteError> {
+        let checking = Self::for_checking(sources.clone())?;
+        match Self::with_processes(Setup::default(), sources) {
+            Ok(site) => Ok(vec![site, checking]),
+            Err(SiteError::ModuleWithoutRobot(_)) => Ok(vec![checking]),
+            Err(other) => Err(other),
+        }
     }
 
     /// A site with what scenarios can call, but with no world to meddle with.
@@ -190,8 +222,23 @@ impl<M: Module> Site<M> {
     pub fn office(&self) -> Option<&Arc<OfficeModel>> {
         match &self.premises {
             Premises::Office { model, .. } => Some(model),
+            Premises::Robotless | Premises::Unbuilt | Premises::Modules(_) => None,
+        }
+    }
+
+    /// Microseconds between two steps of what is outside of a run; none if there is nothing.
+    pub fn period_us(&self) -> Option<u64> {
+        match &self.premises {
+            Premises::Office { model, .. } => Some(model.settings.robot.step_us),
+            Premises::Modules(_) => Some(PERIOD_US),
             Premises::Robotless | Premises::Unbuilt => None,
         }
+    }
+
+    /// Whether time has to pass as it does on the clock: there is no world of ours, and a module does not wait for the
+    /// run.
+    pub fn goes_by_clock(&self) -> bool {
+        matches!(&self.premises, Premises::Modules(modules) if modules.settings.are_live())
     }
 
     /// Compiles a plan; the loader finds the texts it loads.
@@ -216,8 +263,11 @@ impl<M: Module> Site<M> {
         Some(OfficeRobot::with_modules(self.modules.clone(), model.clone(), host, seed))
     }
 
-    /// The robot at the start of a run, if there is one.
+    /// The robot at the start of a run, if there is one; or the modules that stand for it.
     pub fn robot(&self, seed: u64) -> Robot<M> {
+        if let Premises::Modules(modules) = &self.premises {
+            return Robot::Modules(Box::new(ModulesAlone::new(modules.clone(), seed)));
+        }
         match self.office_robot(seed) {
             Some(robot) => Robot::Office(Box::new(robot)),
             None => Robot::Absent(NoRobot),

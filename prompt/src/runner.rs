@@ -1,5 +1,6 @@
 //! Lets the run of a session go on, until it ends, arrives, or is stopped.
 
+use super::clock::Clock;
 use super::session::Session;
 use rpl_drive::show::whereabouts::whereabouts;
 use rpl_drive::stopping::halt::{Halt, Until};
@@ -10,7 +11,11 @@ use rpl_runtime::run::timeline::TimelinePosition;
 use rpl_shell::interrupt;
 use rpl_shell::terminal::console::Console;
 use std::io;
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The longest nap of a run that goes by the clock, so that Ctrl-C is noticed.
+const NAP: Duration = Duration::from_millis(50);
 
 impl Session {
     /// Lets the form that runs go on.
@@ -55,12 +60,15 @@ struct Runner<'a> {
     /// Since when the present instant is computed.
     computed: Instant,
     stopping: Stopping,
+    /// By which time passes, where what is outside does not wait.
+    clock: Option<Clock>,
 }
 
 impl<'a> Runner<'a> {
     /// Of a session, that has stood still until now.
     fn new(session: &'a mut Session, until: &'a Until, console: &'a mut Console) -> Self {
-        Self { session, until, console, computed: Instant::now(), stopping: Stopping::default() }
+        let clock = session.goes_by_clock.then(|| Clock::new(1.0, session.branch.system.machine.now_us));
+        Self { session, until, console, computed: Instant::now(), stopping: Stopping::default(), clock }
     }
 
     /// Goes on until there is a reason to stand still.
@@ -155,6 +163,10 @@ impl<'a> Runner<'a> {
         if has_arrived {
             return Some(Halt::Arrived);
         }
+        if !self.has_clock_come() {
+            return Some(Halt::Interrupted);
+        }
+        let branch = &mut self.session.branch;
         branch.system.next_instant();
         interrupt::beat();
         branch.timeline.next_instant(&branch.system, self.computed.elapsed());
@@ -165,6 +177,22 @@ impl<'a> Runner<'a> {
             self.console.status(&line);
         }
         None
+    }
+
+    /// Waits for the next instant by the clock, where that is how time passes. Whether it has come, and nobody has stopped
+    /// the run meanwhile.
+    fn has_clock_come(&mut self) -> bool {
+        let (Some(clock), Some(next_us)) = (self.clock, self.session.branch.system.next_instant_us()) else {
+            return true;
+        };
+        while clock.due_us() < next_us {
+            if interrupt::is_asked() {
+                return false;
+            }
+            interrupt::beat();
+            thread::sleep(clock.wait_for(Some(next_us)).min(NAP));
+        }
+        true
     }
 
     /// A condition that has become true since the last instant.

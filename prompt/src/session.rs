@@ -88,6 +88,8 @@ pub struct Session {
     pub number: Option<u32>,
     /// What came to the run that is repeated while it stood still, in order.
     pub interventions: Vec<Intervention>,
+    /// Whether what is outside does not wait for the run.
+    pub goes_by_clock: bool,
     /// Where the session that is repeated was stopped by hand, or typed at, next.
     pub horizon_us: Option<u64>,
 }
@@ -116,6 +118,7 @@ impl Session {
             texts: 0,
             number: None,
             interventions: Vec::new(),
+            goes_by_clock: site.goes_by_clock(),
             horizon_us: None,
         })
     }

@@ -30,14 +30,15 @@ pub fn build(setup: Setup, scenario: Option<PlanText>, modules: Vec<ModuleSource
     }
 }
 
-/// A site without a robot, for which no robot is described.
+/// A site without a robot, for which no robot is described: of these modules in other processes, or of nothing.
 ///
 /// # Errors
-/// There is a scenario.
-pub(crate) fn without_robot(scenario: Option<&PlanText>) -> Result<Site> {
+/// There is a scenario, or a module is wrong or needs a robot.
+pub(crate) fn without_robot(scenario: Option<&PlanText>, modules: Vec<ModuleSource>) -> Result<Site> {
     match scenario {
         Some(scenario) => bail!(needs_robot(scenario)),
-        None => Ok(Site::without_robot()?),
+        None if modules.is_empty() => Ok(Site::without_robot()?),
+        None => Ok(Site::with_processes(Setup::default(), modules)?),
     }
 }
 

@@ -8,7 +8,7 @@ use rpl_lang::code::Program;
 use rpl_lang::diagnostic::{Diagnostic, Severity, render};
 use rpl_lang::source::{Sources, Span};
 use rpl_lang::visible::visible;
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_shell::arguments::{completion, plan_files};
 use rpl_shell::files::module_files::{self, GoingBack, ModuleVoices};
@@ -163,9 +163,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
 
 /// Where texts are checked, by what they are for.
 struct CheckSites {
-    plans: [Site; 2],
+    plans: Vec<Site>,
     /// Without the modules: the plans of one define what it brings along.
-    of_modules: [Site; 2],
+    of_modules: Vec<Site>,
     scenarios: [Site; 1],
 }
 
@@ -174,10 +174,11 @@ impl CheckSites {
         let (_, sources) = module_files::named(&arguments.module, ModuleVoices::Processes(GoingBack::Never))?;
         let bare: Vec<ModuleSource> =
             sources.iter().map(|source| ModuleSource { plans: None, ..source.clone() }).collect();
-        let both = |sources: Vec<ModuleSource>| -> Result<[Site; 2]> {
-            Ok([Site::with_processes(Setup::default(), sources.clone())?, Site::for_checking(sources)?])
-        };
-        Ok(Self { plans: both(sources)?, of_modules: both(bare)?, scenarios: [Site::for_checking_scenarios()?] })
+        Ok(Self {
+            plans: Site::without_world(sources)?,
+            of_modules: Site::without_world(bare)?,
+            scenarios: [Site::for_checking_scenarios()?],
+        })
     }
 
     fn of_role(&self, role: &Role) -> &[Site] {

@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let changes = changes(&kept, arguments, console)?;
     let source = reach(&kept, &plan.name, arguments)?;
     let (site, world, modules) = kept.site(ModuleVoices::Processes(GoingBack::Never))?;
-    let wants_events = going_on.trace.is_some() || kept.place.is_some();
+    let wants_events = going_on.trace.is_some() || site.period_us().is_some();
     let Some(loaded) = run::load(&site.library, kept.text(plan), &kept.head.run.set, console)? else {
         return Ok(Status::Wrong);
     };
@@ -137,7 +137,8 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         observed,
         ..Records::default()
     };
-    let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor: arguments.realtime.or(kept.head.factor) };
+    let factor = Pace::factor_at(&site, arguments.realtime.or(kept.head.factor));
+    let pace = Pace { until_us: going_on.until_us, stopped_us: None, factor };
     let written_at_end = WrittenAtEnd { json: arguments.json, ..WrittenAtEnd::default() };
     PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
 }

@@ -230,7 +230,7 @@ pub fn run_on(
         onlookers.push(Box::new(McapRecording::begin(file, site.office())?));
     }
     onlookers.extend(seen.map(|seen| Box::new(seen) as Box<dyn Onlooker>));
-    let wants_events = trace.is_some() || world.is_some() || !onlookers.is_empty();
+    let wants_events = trace.is_some() || site.period_us().is_some() || !onlookers.is_empty();
     let hearing = recorder.clone().or_else(|| journal.as_ref().and_then(RunJournal::recorder));
     if arguments.site.tells_modules {
         modules.tell(console);
@@ -243,7 +243,8 @@ pub fn run_on(
     }
     let records =
         Records { trace, journal, recorder, pose_every_us, steering, observed, onlookers, ..Records::default() };
-    let pace = Pace { until_us: arguments.until, stopped_us, factor: arguments.realtime };
+    let factor = Pace::factor_at(&site, arguments.realtime);
+    let pace = Pace { until_us: arguments.until, stopped_us, factor };
     let written_at_end = WrittenAtEnd { cases, figures, draws_choices: output.choices, json: output.json };
     PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
 }

@@ -31,6 +31,7 @@ mod layout;
 mod live;
 mod localize;
 mod modules;
+mod modules_alone;
 mod new;
 mod outputs;
 mod pages;

@@ -11,7 +11,7 @@ fn root() -> PathBuf {
 }
 
 /// Runs `rpl` in a folder, where Python finds the package.
-fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
+pub fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
     let python = root().join("python").canonicalize().expect("it is there");
     rpl(arguments)
         .current_dir(folder)
@@ -23,7 +23,7 @@ fn run_in(folder: &Path, arguments: &[&str]) -> Ended {
 }
 
 /// A folder with the files of the lamp, a plan, and other text in the lamp's program.
-fn folder_of_lamp(name: &str, plan: &str, exchanged: (&str, &str)) -> PathBuf {
+pub fn folder_of_lamp(name: &str, plan: &str, exchanged: (&str, &str)) -> PathBuf {
     let folder = folder(name);
     for file in ["lamp.toml", "lamp.rpl", "lamp.py", "mail-with-lamp.rpl"] {
         let text = std::fs::read_to_string(root().join("examples/modules").join(file)).expect("it is there");

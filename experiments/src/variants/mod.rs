@@ -71,11 +71,14 @@ impl Variants {
         let settings = OfficeSettings::of(robot.clone());
         let rupart = remembering(&self.request, world.as_ref(), robot)?;
         let setup = Setup { world, settings, rupart, ..Setup::default() };
-        let (_, modules) = match variant.world {
-            Some(_) => module_files::named(&variant.modules, ModuleVoices::Processes(GoingBack::Never))?,
-            None => Default::default(),
-        };
+        let (_, modules) = module_files::named(&variant.modules, ModuleVoices::Processes(GoingBack::Never))?;
         let site = sites::build(setup, scenario, modules)?;
+        if site.goes_by_clock() {
+            bail!(
+                "a run with a live module and no world takes as long as it takes on the clock, and an experiment is of many; \
+                 write `pace = \"lock-step\"` into its manifest"
+            );
+        }
         let loaded = sites::load_with(&site, plan, &variant.set, self.request.colour)?;
         Ok(Mission { site, loaded, goal: None })
     }

@@ -111,7 +111,8 @@ impl Played {
             messages: Vec::new(),
             others: BTreeMap::new(),
         };
-        self.module.step(self.time_us, Estimate { pose_in_map: Pose::default(), certainty: 1.0 }, &percept)
+        let estimate = Estimate { pose_in_map: Pose::default(), certainty: 1.0 };
+        self.module.step(self.time_us, Some((estimate, &percept)))
     }
 
     /// The same run once more.

@@ -3,5 +3,6 @@
 
 pub mod manifest;
 pub mod message;
+pub mod modules_alone;
 pub mod process_module;
 pub mod process_modules;

@@ -196,8 +196,8 @@ impl ProcessModule {
         self.unsaid.push(ToModule::Stop { id, behaviour: name, reason: why.into() });
     }
 
-    /// One step: the module hears of it and answers.
-    pub fn step(&mut self, time_us: u64, estimate: Estimate, percept: &Percept) -> News {
+    /// One step: the module hears of it, and of what it wants of the robot if there is one, and answers.
+    pub fn step(&mut self, time_us: u64, robot: Option<(Estimate, &Percept)>) -> News {
         let mut news = News::default();
         if self.lost.is_some() {
             return news;
@@ -206,8 +206,10 @@ impl ProcessModule {
         let mut words = std::mem::take(&mut self.unsaid);
         words.push(ToModule::Tick {
             time_us,
-            position: wants_position.then(|| estimate.into()),
-            percept: wants_percept.then(|| Box::new(PerceptMessage::new(self.conversation.turn(), None, percept))),
+            position: robot.filter(|_| wants_position).map(|(estimate, _)| estimate.into()),
+            percept: robot
+                .filter(|_| wants_percept)
+                .map(|(_, percept)| Box::new(PerceptMessage::new(self.conversation.turn(), None, percept))),
         });
         match self.conversation.say(&ModuleWords(words)) {
             Err(fault) => {

@@ -4,11 +4,16 @@ use super::manifest::Manifest;
 use super::message::{Greeting, ModuleAnswer, ModuleWords};
 use super::process_module::{ProcessModule, SavedModule};
 use crate::line::{Conversation, Line};
+use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::Velocity;
+use rpl_robot::localization::Estimate;
 use rpl_robot::office::{
     Layout, Module, ModuleSpec, Moment, NameTaken, OfficeModel, Part, PlanText, Position, Raise, Start, StopReason,
     Telling,
 };
+use rpl_robot::simulator::Percept;
+use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::value::Value;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -25,6 +30,8 @@ pub struct ModuleSource {
     pub plans: Option<PlanText>,
     /// Starts it.
     pub open: Arc<OpenLine>,
+    /// Whether it waits for the run: in lock step, and where a recording speaks for it.
+    pub waits: bool,
 }
 
 impl ModuleSource {
@@ -47,14 +54,27 @@ impl ModuleSource {
 pub struct ModuleSources(pub Vec<ModuleSource>);
 
 impl ModuleSources {
+    /// What one of them wants of a robot, as a clause with its manifest; none if they get along without one.
+    pub fn wants_robot(&self) -> Option<String> {
+        self.0.iter().find_map(|source| {
+            let Manifest { name, file, .. } = &*source.manifest;
+            let wanted = match (source.manifest.wants_position, source.manifest.wants_percept) {
+                (true, _) => "position",
+                (false, true) => "percept",
+                (false, false) => return None,
+            };
+            Some(format!("the module `{name}` ({file}) wants the robot's {wanted}"))
+        })
+    }
+
+    /// Whether one of them does not wait for the run.
+    pub fn are_live(&self) -> bool {
+        self.0.iter().any(|source| !source.waits)
+    }
+
     /// What is said of names that do not fit, with the places in the manifests.
     pub fn told(&self, fault: &NameTaken) -> String {
-        let place = |module: &str, name: &str| {
-            let manifests = self.0.iter().map(|source| &source.manifest);
-            let places: Vec<String> =
-                manifests.filter(|known| known.name == module).map(|known| known.place(name)).collect();
-            if places.is_empty() { String::new() } else { format!(" ({})", places.join(", ")) }
-        };
+        let place = |module: &str, name: &str| self.places(module, name);
         match fault {
             NameTaken::Twice { name, first, second } if first == second => {
                 format!("two modules are called `{first}` and have `{name}`{}; rename one", place(first, name))
@@ -70,6 +90,17 @@ impl ModuleSources {
                 format!("{fault}{here}; add it to the `valves` of its manifest, or name one that is there")
             }
         }
+    }
+}
+
+/// Where names stand in manifests.
+impl ModuleSources {
+    /// Where a name of the modules of a name stands, behind a space and in parentheses; nothing if it stands nowhere.
+    pub fn places(&self, module: &str, name: &str) -> String {
+        let manifests = self.0.iter().map(|source| &source.manifest);
+        let places: Vec<String> =
+            manifests.filter(|known| known.name == module).map(|known| known.place(name)).collect();
+        if places.is_empty() { String::new() } else { format!(" ({})", places.join(", ")) }
     }
 }
 
@@ -105,6 +136,64 @@ impl ProcessModules {
         layout
     }
 
+    /// The modules of a run that greets them so.
+    pub(super) fn greeted(sources: &ModuleSources, greeting: Greeting) -> Self {
+        let opened = sources.0.iter().map(|ModuleSource { manifest, open, .. }| {
+            ProcessModule::new(manifest.clone(), Conversation::new(open(greeting)))
+        });
+        Self { modules: opened.collect(), layout: Self::layout(sources), saved: Vec::new() }
+    }
+
+    /// Starts a behaviour of all.
+    ///
+    /// # Errors
+    /// As for [`ProcessModule::start`].
+    pub(super) fn start_one(
+        &mut self,
+        behaviour: usize,
+        (machine, arguments): (&Machine, &[(Symbol, Value)]),
+        time_us: u64,
+        tell: &mut Telling<'_>,
+    ) -> Result<(), Raise> {
+        let (module, own, part) = self.with_behaviour(behaviour);
+        if let Some(ending) = module.start(machine, own, arguments, time_us)? {
+            tell.of(part).end(own, ending);
+        }
+        Ok(())
+    }
+
+    /// Stops a behaviour of all.
+    pub(super) fn stop_one(&mut self, behaviour: usize, why: StopReason) {
+        let (module, own, _) = self.with_behaviour(behaviour);
+        module.stop(own, why);
+    }
+
+    /// Each module has its turn: it hears of a tick, and what it says is told. What the robot's wheels are to do, if
+    /// there is a robot.
+    pub(super) fn turn(
+        &mut self,
+        time_us: u64,
+        robot: Option<(Estimate, &Percept)>,
+        tell: &mut Telling<'_>,
+    ) -> Option<Velocity> {
+        let mut wanted = None;
+        for (part, module) in self.layout.parts().zip(&mut self.modules) {
+            let news = module.step(time_us, robot);
+            let mut tell = tell.of(part);
+            for (fluent, reading) in news.fluents {
+                tell.fluent(fluent, reading);
+            }
+            for (behaviour, ending) in news.endings {
+                tell.end(behaviour, ending);
+            }
+            for event in news.events {
+                tell.event(event);
+            }
+            wanted = news.velocity.or(wanted);
+        }
+        wanted
+    }
+
     /// The module with a behaviour of all, and the behaviour's place in it.
     fn with_behaviour(&mut self, behaviour: usize) -> (&mut ProcessModule, usize, &Part) {
         let parts = self.layout.parts().zip(&mut self.modules);
@@ -122,11 +211,7 @@ impl Module for ProcessModules {
     }
 
     fn new(sources: &ModuleSources, model: &OfficeModel, seed: u64) -> Self {
-        let greeting = Greeting { period_us: model.settings.robot.step_us, seed };
-        let opened = sources.0.iter().map(|ModuleSource { manifest, open, .. }| {
-            ProcessModule::new(manifest.clone(), Conversation::new(open(greeting)))
-        });
-        Self { modules: opened.collect(), layout: Self::layout(sources), saved: Vec::new() }
+        Self::greeted(sources, Greeting { period_us: model.settings.robot.step_us, seed })
     }
 
     fn resume(&mut self, at_start: &Self) -> Result<(), String> {
@@ -153,35 +238,15 @@ impl Module for ProcessModules {
         _: &mut Position,
         tell: &mut Telling<'_>,
     ) -> Result<(), Raise> {
-        let (module, own, part) = self.with_behaviour(behaviour);
-        if let Some(ending) = module.start(start.machine, own, start.arguments, start.time_us)? {
-            tell.of(part).end(own, ending);
-        }
-        Ok(())
+        self.start_one(behaviour, (start.machine, start.arguments), start.time_us, tell)
     }
 
     fn stop(&mut self, behaviour: usize, why: StopReason, _: &mut Telling<'_>) {
-        let (module, own, _) = self.with_behaviour(behaviour);
-        module.stop(own, why);
+        self.stop_one(behaviour, why);
     }
 
     fn step(&mut self, now: &Moment<'_>, position: &mut Position, tell: &mut Telling<'_>) -> Option<Velocity> {
-        let mut wanted = None;
-        for (part, module) in self.layout.parts().zip(&mut self.modules) {
-            let estimate = position.estimate(now.model.map.as_ref());
-            let news = module.step(now.percept.time_us, estimate, now.percept);
-            let mut tell = tell.of(part);
-            for (fluent, reading) in news.fluents {
-                tell.fluent(fluent, reading);
-            }
-            for (behaviour, ending) in news.endings {
-                tell.end(behaviour, ending);
-            }
-            for event in news.events {
-                tell.event(event);
-            }
-            wanted = news.velocity.or(wanted);
-        }
-        wanted
+        let estimate = position.estimate(now.model.map.as_ref());
+        self.turn(now.percept.time_us, Some((estimate, now.percept)), tell)
     }
 }

@@ -207,7 +207,7 @@ pub struct Telling<'a> {
 
 impl<'a> Telling<'a> {
     /// For the whole robot.
-    pub(super) fn of_all(outbox: &'a mut Outbox) -> Self {
+    pub fn of_all(outbox: &'a mut Outbox) -> Self {
         Self { outbox, first_behaviour: 0, first_fluent: 0 }
     }
 

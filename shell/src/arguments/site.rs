@@ -131,7 +131,6 @@ impl SiteArguments {
             ("--map", self.map.is_some()),
             ("--grid", self.grid.is_some()),
             ("--memory", self.memory.is_some()),
-            ("--module", !self.module.is_empty()),
         ];
         match said.iter().find(|(_, is_said)| *is_said && self.world.is_none()) {
             Some((option, _)) => bail!(needs_world(option)),
@@ -163,7 +162,8 @@ impl SiteArguments {
                 bail!(needs_world("--cases"));
             }
             let scenario = self.scenario.as_deref().map(plans::scenario).transpose()?;
-            return Ok((sites::without_robot(scenario.as_ref())?, None, Modules::default(), None));
+            let (modules, sources) = module_files::named(&self.module, voices)?;
+            return Ok((sites::without_robot(scenario.as_ref(), sources)?, None, modules, None));
         };
         let robot = robot_files::named(self.robot.as_deref())?;
         let world = world_files::named(world, &robot, self.seed())?;

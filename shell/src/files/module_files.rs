@@ -11,7 +11,7 @@ use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
 use rpl_mission::site::Site;
 use rpl_protocol::line::Line;
 use rpl_protocol::module::manifest::Manifest;
-use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords};
+use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords, Pace};
 use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
 use rpl_robot::office::PlanText;
 use std::path::{Path, PathBuf};
@@ -84,7 +84,8 @@ pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(M
             );
         }
         let open = modules.open(manifest.clone(), folder_of(path), voices)?;
-        sources.push(ModuleSource { manifest, plans, open });
+        let waits = manifest.pace == Pace::LockStep || matches!(voices, ModuleVoices::Recording(_));
+        sources.push(ModuleSource { manifest, plans, open, waits });
     }
     Ok((modules, sources))
 }
@@ -103,7 +104,8 @@ pub fn within(name: &str, speaker: Arc<Speaker>) -> Result<ModuleSource> {
         let live = speaker(offered.clone(), greeting);
         Arc::new(Transcript::live(&line_name(&offered.name), live, Kept::Last, None))
     });
-    Ok(ModuleSource { manifest, plans, open })
+    let waits = manifest.pace == Pace::LockStep;
+    Ok(ModuleSource { manifest, plans, open, waits })
 }
 
 /// A manifest, and the plans that belong to it.
@@ -172,8 +174,8 @@ impl Modules {
     /// # Errors
     /// One does not start: what it did, and what it wrote to its standard error.
     pub fn start(&self, site: &Site, seed: u64, recorder: Option<&Arc<Recorder>>) -> Result<()> {
-        let Some(office) = site.office() else { return Ok(()) };
-        let greeting = Greeting { period_us: office.settings.robot.step_us, seed };
+        let Some(period_us) = site.period_us() else { return Ok(()) };
+        let greeting = Greeting { period_us, seed };
         for module in &self.openers {
             module.start_ahead(greeting, recorder.cloned())?;
         }

@@ -3,7 +3,7 @@
 mod library_files;
 mod project_plans;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use library_files::LibraryFiles;
 use project_plans::ProjectPlans;
 use rpl_editor::lsp::{Ending, serve};
@@ -11,7 +11,7 @@ use rpl_editor::surroundings::{Setting, Surroundings, Version};
 use rpl_lang::check::KnownPlaces;
 use rpl_lang::compile::{Loader, NoFiles};
 use rpl_mission::reference::Reference;
-use rpl_mission::site::{Setup, Site};
+use rpl_mission::site::Site;
 use rpl_protocol::module::process_modules::ModuleSource;
 use rpl_shell::arguments::plan_files;
 use rpl_shell::files::inputs::read_text;
@@ -161,11 +161,11 @@ fn setting_of(file: Option<&Path>, role: &Role) -> Result<Setting> {
         // The plans of one define what it brings along.
         Role::OfModule(_) => sources()?.into_iter().map(|source| ModuleSource { plans: None, ..source }).collect(),
     };
-    let robotless = Site::with_processes(Setup::default(), sources.clone())?;
-    let robot = Site::for_checking(sources)?;
+    let libraries: Vec<_> = Site::without_world(sources)?.into_iter().map(|site| site.library).collect();
     let world = project.world.as_deref().map(|world| places_of(world, project.robot.as_deref())).transpose()?;
-    let (reference, is_of_plans) = (Reference::of(&robot.library), *role == Role::Plan);
-    Ok(Setting { libraries: vec![robotless.library, robot.library], reference, world, is_of_plans })
+    // The last one has the robot's names, too.
+    let reference = Reference::of(libraries.last().context("one site is for checking")?);
+    Ok(Setting { libraries, reference, world, is_of_plans: *role == Role::Plan })
 }
 
 fn places_of(world: &str, robot: Option<&str>) -> Result<KnownPlaces> {

@@ -113,6 +113,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         colour,
         is_one: false,
         sites: BTreeMap::new(),
+        without_world: Site::without_world(sources.clone())?,
         modules: sources,
         starts_modules: false,
         report: TestReport::default(),
@@ -126,7 +127,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let (files, plans): (Vec<_>, Vec<_>) = files.into_iter().zip(texts).filter(is_plan).unzip();
     session.is_one = files.len() == 1;
     // Nothing is started for texts that have errors.
-    session.starts_modules = !session.modules.is_empty() && session.are_all_right(&plans)?;
+    session.starts_modules = !session.modules.is_empty() && session.are_all_right(&plans);
     if session.starts_modules && arguments.tells_modules {
         modules.tell(console);
     }
@@ -187,6 +188,8 @@ struct TestSession<'a> {
     is_one: bool,
     /// Building the models of a world takes longer than most tests.
     sites: BTreeMap<TestPlace, Site>,
+    /// Where tests run that name no world.
+    without_world: Vec<Site>,
     /// Those in other processes, and whether they may be started.
     modules: Vec<ModuleSource>,
     starts_modules: bool,
@@ -200,19 +203,19 @@ fn read(name: &Result<String, String>) -> Result<PlanText, String> {
 
 impl TestSession<'_> {
     /// Whether all texts are there, and none has an error.
-    fn are_all_right(&self, plans: &[Result<PlanText, String>]) -> Result<bool> {
+    fn are_all_right(&self, plans: &[Result<PlanText, String>]) -> bool {
         for plan in plans {
-            let Ok(plan) = plan else { return Ok(false) };
-            if load_without_world(plan, &self.modules)?.is_err() {
-                return Ok(false);
+            let Ok(plan) = plan else { return false };
+            if load_without_world(plan, &self.without_world).is_err() {
+                return false;
             }
         }
-        Ok(true)
+        true
     }
 
     /// Runs the tests of a file.
     fn file(&mut self, plan: &PlanText, console: &mut Console) -> Result<()> {
-        let (site, loaded) = match load_without_world(plan, &self.modules)? {
+        let (site, loaded) = match load_without_world(plan, &self.without_world) {
             Ok(found) => found,
             Err(rejected) => {
                 console.note(rejected.render(console.colour).trim_end());
@@ -253,14 +256,13 @@ impl TestSession<'_> {
     fn test(&mut self, plan: &PlanText, test: &Test, without_world: (&Site, &Loaded)) -> Result<TestRecord> {
         let world = test.options.world.as_deref().map(str::to_string).or_else(|| self.arguments.world.clone());
         let scenario = test.options.scenario.as_deref().map(|scenario| roles::beside(&plan.name, scenario));
-        if world.is_none() && scenario.is_none() {
-            let (site, loaded) = without_world;
-            return self.run_test(site, loaded.clone(), test, None);
-        }
-        let (_, loaded) = without_world;
+        let (site, loaded) = without_world;
         if !self.modules.is_empty() && !self.starts_modules {
             let reason = "it cannot run: its modules are not started while there are texts with errors";
             return Ok(self.never_run(test, loaded, world, reason));
+        }
+        if world.is_none() && scenario.is_none() {
+            return self.run_test(site, loaded.clone(), test, None);
         }
         let is_drawn = world.as_deref().is_some_and(world_files::is_drawn);
         let drawn_from = if is_drawn { self.seed_of(test) } else { 0 };
@@ -327,7 +329,7 @@ impl TestSession<'_> {
         let mut system = site.start(loaded, seed);
         let mut output = Console::keeping();
         let began = Instant::now();
-        let pace = Pace { until_us: Some(until_us), ..Pace::default() };
+        let pace = Pace { until_us: Some(until_us), factor: Pace::factor_at(site, None), ..Pace::default() };
         let ending = drive(&mut system, pace, &mut output, &mut Records::default())?;
         let (outcome, failure, reason) = self.judge(&system, ending, until_us);
         let reason = match world {
@@ -400,17 +402,18 @@ fn place(test: &Test, loaded: &Loaded) -> (String, usize) {
     (sources.get(test.span.source).name.to_string(), line)
 }
 
-/// The plan compiled without a robot, or, if it names the robot's things, with the robot's names.
-fn load_without_world(plan: &PlanText, modules: &[ModuleSource]) -> Result<Result<(Site, Loaded), Rejected>> {
-    let site = Site::with_processes(Setup::default(), modules.to_vec())?;
-    let rejected = match site.library.load(&plan.name, &plan.text, &mut plan.folder.clone()) {
-        Ok(loaded) => return Ok(Ok((site, loaded))),
-        Err(rejected) => rejected,
+/// The plan compiled at the first site that has all it needs, or at the last one.
+fn load_without_world(plan: &PlanText, sites: &[Site]) -> Result<(Site, Loaded), Rejected> {
+    let (last, before) = sites.split_last().expect("one is for checking");
+    let load = |site: &Site| {
+        let loaded = site.library.load(&plan.name, &plan.text, &mut plan.folder.clone());
+        loaded.map(|loaded| (site.clone(), loaded))
     };
-    if rejected.diagnostics.iter().all(|finding| finding.code != "needs-a-world") {
-        return Ok(Err(rejected));
+    for site in before {
+        match load(site) {
+            Err(rejected) if rejected.diagnostics.iter().any(|finding| finding.code == "needs-a-world") => {}
+            found => return found,
+        }
     }
-    let site = Site::for_checking(modules.to_vec())?;
-    let loaded = site.library.load(&plan.name, &plan.text, &mut plan.folder.clone());
-    Ok(loaded.map(|loaded| (site, loaded)))
+    load(last)
 }
