@@ -25,6 +25,7 @@ const MACROS: &[(&str, Layout)] = &[
     ("ignore-failures", Layout::with(Body(1), &[Data])),
     ("labels", Layout::with(Body(1), &[Handlers])),
     ("n-times", Layout::plain(Body(1))),
+    ("persist", Layout::with(Body(2), &[Form, Data])),
     ("prog1", Layout::plain(Body(1))),
     ("pursue-first-n", Layout::plain(Body(1))),
     ("try-each-in-order", Layout::with(Body(1), &[Binding])),

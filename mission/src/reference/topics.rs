@@ -75,7 +75,7 @@ pub const TOPICS: &[Topic] = &[
     topic(
         "failures",
         "Failures",
-        "fail with-failure-handling with-parts-handled retry refail with-retry-counters do-retry ignore-failures assert assert-fails \
+        "fail with-failure-handling with-parts-handled retry refail with-retry-counters do-retry ignore-failures persist assert assert-fails \
          fail-composite failurep failure-class failure-is? failure-message failure-slot failure-parts \
          failure-while-cleaning-up",
     ),

@@ -314,6 +314,11 @@ fn failing() {
         ("(ignore-failures (arithmetic-error) (/ 1 0))", "nil"),
         ("(ignore-failures (timeout error) (/ 1 0))", "nil"),
         ("(ignore-failures () 1 2)", "2"),
+        // r[handle.persist]
+        ("(let ((n 0)) (persist (> n 2) () (incf n)) n)", "3"),
+        ("(persist 'held () (fail \"it is held already\"))", "held"),
+        ("(let ((n 0)) (persist (> n 2) (arithmetic-error) (incf n) (/ 1 0)) n)", "3"),
+        ("(let ((n 0)) (persist (> n 1) (error) (incf n) (try-in-order (/ 1 0) (car 1))) n)", "2"),
     ]);
     check_failures(&[
         ("(assert (= 1 2))", "plan-failure: this should be true: (= 1 2)"),
@@ -323,6 +328,8 @@ fn failing() {
         ("(fail no-such-class \"x\")", "there is no failure class `no-such-class`"),
         ("(fail timeout \"late\" :colour 1)", "the class `timeout` has no slot `colour`"),
         ("(ignore-failures (timeout) (/ 1 0))", "arithmetic-error"),
+        ("(persist nil (timeout) (/ 1 0))", "arithmetic-error"),
+        ("(persist nil (arithmetic-error) (try-in-order (/ 1 0) (fail \"no\")))", "composite-failure"),
     ]);
 }
 

@@ -29,6 +29,7 @@ const AROUND: &[&str] = &[
     "(evap-protect (dive (- k 1)) (wait-time 0.1))",
     "(with-failure-handling ((timeout (f) (refail))) (dive (- k 1)))",
     "(ignore-failures (timeout) (dive (- k 1)))",
+    "(let ((left 2)) (persist (< (decf left) 0) (timeout) (dive (- k 1))))",
     "(block b (dive (- k 1)) (return-from b k))",
     "(let ((g (lambda () (dive (- k 1))))) (g) k)",
     "(on-interrupt (note k) (dive (- k 1)))",

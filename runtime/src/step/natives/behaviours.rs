@@ -23,7 +23,7 @@ pub(super) const NATIVES: &[Native] = &[
     Native {
         name: "await-signal",
         parameters: "behaviour",
-        doc: "Waits for the signal of a behaviour: returns at success, fails with its failure.",
+        doc: "Waits for the signal of a behaviour: the value it succeeds with, `t` where it says none, or its failure.",
         effect: Effect::Waits,
         code: Plain(await_signal),
     },
