@@ -50,7 +50,7 @@ fn play() -> io::Result<()> {
     for line in io::stdin().lock().lines() {
         let line = line?;
         if line.contains("\"hello\"") {
-            writeln!(out, "{{\"type\":\"hello\",\"protocol\":1,\"module\":\"echo\"}}")?;
+            writeln!(out, "{{\"type\":\"hello\",\"protocol\":2,\"module\":\"echo\"}}")?;
         } else if let Some((_, rest)) = line.split_once("\"time_us\":") {
             let time_us: String = rest.chars().take_while(char::is_ascii_digit).collect();
             writeln!(

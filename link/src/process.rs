@@ -10,11 +10,13 @@ use rustix::io::Errno;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
+use std::fs::File;
 use std::io::{self, IsTerminal, Read, Write};
-use std::os::fd::AsFd;
+use std::net::{Shutdown, TcpStream, ToSocketAddrs};
+use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering as AtomicOrdering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -77,11 +79,12 @@ pub enum Heard {
 /// A process with a group of its own, spoken to by lines. It ends when this is dropped.
 #[derive(Debug)]
 pub struct Process {
-    child: Child,
+    /// None where it was not started by us, but connected to.
+    child: Option<Child>,
     /// None once it has been closed, by us or by the process.
-    input: Option<ChildStdin>,
-    output: ChildStdout,
-    errors: Option<ChildStderr>,
+    input: Option<File>,
+    output: File,
+    errors: Option<File>,
     /// What is still to be written, from `written` on.
     outgoing: Vec<u8>,
     written: usize,
@@ -157,11 +160,36 @@ impl Process {
         let (Some(input), Some(output), Some(errors)) = (input, output, errors) else {
             unreachable!("all three were asked for as pipes")
         };
+        let [input, output, errors] = [OwnedFd::from(input), output.into(), errors.into()].map(File::from);
+        Self::of(Some(child), input, output, Some(errors), most_line)
+    }
+
+    /// Connects to a process that waits at an address, for up to a time.
+    ///
+    /// # Errors
+    /// There is no such address, or nobody waits there.
+    pub fn connect(address: &str, patience: Duration, most_line: usize) -> io::Result<Self> {
+        let mut last = io::Error::from(io::ErrorKind::NotFound);
+        for at in address.to_socket_addrs()? {
+            match TcpStream::connect_timeout(&at, patience) {
+                Ok(stream) => {
+                    // What belongs to one turn goes out at once, and is waited for.
+                    stream.set_nodelay(true)?;
+                    let input = OwnedFd::from(stream.try_clone()?).into();
+                    return Self::of(None, input, OwnedFd::from(stream).into(), None, most_line);
+                }
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+
+    fn of(child: Option<Child>, input: File, output: File, errors: Option<File>, most_line: usize) -> io::Result<Self> {
         let process = Self {
             child,
             input: Some(input),
             output,
-            errors: Some(errors),
+            errors,
             outgoing: Vec::new(),
             written: 0,
             incoming: Vec::new(),
@@ -186,9 +214,9 @@ impl Process {
         self.passes_on = Some(passes_on);
     }
 
-    /// Its number, and that of its group.
-    pub fn number(&self) -> u32 {
-        self.child.id()
+    /// Its number, and that of its group; none if it was not started by us.
+    pub fn number(&self) -> Option<u32> {
+        self.child.as_ref().map(Child::id)
     }
 
     /// Adds a line to what it is told; it goes out while somebody listens.
@@ -337,6 +365,14 @@ impl Process {
         // What cannot be written any more is not worth an error: it ends.
         self.write().ok();
         self.input = None;
+        if self.child.is_none() {
+            // It may wait for another run.
+            self.ended = Some(ExitStatus::default());
+            if let Ok(stream) = self.output.try_clone() {
+                TcpStream::from(OwnedFd::from(stream)).shutdown(Shutdown::Both).ok();
+            }
+            return;
+        }
         while !self.has_ended() && Instant::now() < until {
             // It may have to get rid of what it says before it can end.
             self.incoming.clear();
@@ -359,23 +395,29 @@ impl Process {
     }
 
     fn reap(&mut self) {
-        let group = self.child.id().cast_signed();
+        let Some(child) = &mut self.child else { return };
+        let group = child.id().cast_signed();
         kill(group);
         // From here on the number may become that of another process: it leaves the set before that.
         running().remove(&group);
         // Nothing outlives that signal; a failure means that somebody else has reaped it.
-        self.ended = Some(self.child.wait().unwrap_or_default());
+        self.ended = Some(child.wait().unwrap_or_default());
         self.hear_errors().ok();
     }
 
     /// Whether it has ended; its number stays its own.
     fn has_ended(&self) -> bool {
+        let Some(child) = &self.child else { return false };
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOWAIT | WaitIdOptions::NOHANG;
-        waitid(WaitId::Pid(Pid::from_child(&self.child)), options).map_or(true, |status| status.is_some())
+        waitid(WaitId::Pid(Pid::from_child(child)), options).map_or(true, |status| status.is_some())
     }
 
     /// Ends it after it has closed its standard output or ended, and tells how that came, as a clause.
     pub fn autopsy(&mut self) -> String {
+        if self.child.is_none() {
+            self.end(Duration::ZERO);
+            return "closed the connection".to_string();
+        }
         let until = Instant::now() + DYING;
         while !self.has_ended() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(1));

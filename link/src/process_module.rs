@@ -5,15 +5,19 @@ use crate::process::{Heard, Process};
 use crate::transcript::Live;
 use rpl_lang::visible::clause;
 use rpl_protocol::line::LineFault;
-use rpl_protocol::module::manifest::Manifest;
+use rpl_protocol::module::manifest::{Manifest, Spokesman};
 use rpl_protocol::module::message::{
     FromModule, Greeting, Loss, MOST_BYTES, MOST_BYTES_A_TURN, MOST_MESSAGES, ModuleAnswer, ModuleWords, Pace,
     ToModule, VERSION,
 };
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// What the author of a module of an older version is told.
+const CHANGES: &str = "; a module in Python needs `rpl_module` of this rpl, and any other one says \
+                       `\"protocol\":2` and answers `query`, if its manifest has a [[query]]";
 
 /// How long a module has to end by itself after `bye`.
 const PARTING: Duration = Duration::from_secs(1);
@@ -40,6 +44,7 @@ fn told(last_words: &str) -> String {
 #[derive(Debug)]
 pub struct ModuleProcess {
     manifest: Arc<Manifest>,
+    folder: PathBuf,
     process: Process,
     /// The tick that a live module has not answered, and when it was told.
     unanswered: Option<(u64, Instant)>,
@@ -52,66 +57,31 @@ impl ModuleProcess {
     /// # Errors
     /// There is no such program, or it does not greet as it should.
     pub fn start(manifest: Arc<Manifest>, folder: &Path, greeting: Greeting) -> Result<Self, StartError> {
-        let refused = |why: String, last_words: String| {
+        let hello = greeting.hello(&manifest.name, manifest.pace);
+        let refused = |Loss { why, last_words }: Loss| {
             let Manifest { name, file, .. } = &*manifest;
             StartError { name: name.clone(), file: file.clone(), why, last_words }
         };
-        let process = Process::start(&manifest.command, folder, MOST_BYTES)
-            .map_err(|error| refused(not_started(&manifest.command[0], &error), String::new()))?;
-        let mut module = Self { manifest: manifest.clone(), process, unanswered: None, is_lost: false };
-        match module.greet(greeting) {
-            Ok(()) => {
-                module.process.pass_errors_on(&manifest.name);
-                Ok(module)
+        let process = greeted_process(&manifest, folder, &hello).map_err(refused)?;
+        Ok(Self { folder: folder.to_path_buf(), process, unanswered: None, is_lost: false, manifest })
+    }
+
+    /// Once it was lost: it is started again, and greeted.
+    fn start_again(&mut self, hello: &ToModule) -> ModuleAnswer {
+        // Where it is connected to it may have room for one only.
+        self.process.end(Duration::ZERO);
+        match greeted_process(&self.manifest, &self.folder, hello) {
+            Ok(process) => {
+                (self.process, self.unanswered, self.is_lost) = (process, None, false);
+                ModuleAnswer::default()
             }
-            Err(why) => {
-                module.process.end(Duration::ZERO);
-                Err(refused(why, module.process.last_words()))
-            }
+            Err(loss) => ModuleAnswer { messages: Vec::new(), loss: Some(loss) },
         }
     }
 
-    /// The number of its process.
-    pub fn number(&self) -> u32 {
+    /// The number of its process; none if it was not started by us.
+    pub fn number(&self) -> Option<u32> {
         self.process.number()
-    }
-
-    /// # Errors
-    /// What it did instead of greeting, as a clause.
-    fn greet(&mut self, greeting: Greeting) -> Result<(), String> {
-        self.tell(&hello(&self.manifest, greeting));
-        let patience = Duration::from_micros(self.manifest.start_within_us);
-        let heard = self.process.listen(Instant::now() + patience);
-        let message = match heard {
-            Ok(Heard::Nothing) => Err(format!("did not answer `hello` within {patience:?}")),
-            heard => self.message(heard),
-        };
-        greeted(&self.manifest, &message?)
-    }
-
-    fn tell(&mut self, message: &ToModule) {
-        match serde_json::to_vec(message) {
-            Ok(line) => self.process.tell(&line),
-            Err(error) => unreachable!("what is said was made of what can be said: {error}"),
-        }
-    }
-
-    /// The message in what was heard.
-    ///
-    /// # Errors
-    /// What it did instead, as a clause.
-    fn message(&mut self, heard: io::Result<Heard>) -> Result<FromModule, String> {
-        match heard {
-            Ok(Heard::Line(line)) => FromModule::read(&line),
-            Ok(Heard::TooLong) => Err(format!("said a line of more than {} MiB", MOST_BYTES >> 20)),
-            Ok(Heard::Nothing) => Err("did not answer".to_string()),
-            Ok(Heard::Closed(rest)) => {
-                let how = self.process.autopsy();
-                let rest = String::from_utf8_lossy(&rest);
-                Err(if rest.is_empty() { how } else { format!("{how} in the middle of a line: {}", clause(&rest)) })
-            }
-            Err(error) => Err(format!("cannot be heard: {error}")),
-        }
     }
 
     /// Says the words and gathers what is answered.
@@ -121,25 +91,31 @@ impl ModuleProcess {
     fn turn(&mut self, words: &[ToModule], messages: &mut Vec<FromModule>) -> Result<(), String> {
         let patience = Duration::from_micros(self.manifest.answer_within_us);
         let now = Instant::now();
+        let mut question = None;
         for message in words {
             match message {
                 ToModule::Tick { .. } if self.unanswered.is_some() => continue,
                 ToModule::Tick { time_us, .. } => self.unanswered = Some((*time_us, now)),
+                ToModule::Query { id, query, .. } => question = Some((*id, query)),
                 ToModule::Hello { .. } | ToModule::Start { .. } | ToModule::Stop { .. } | ToModule::Bye => {}
             }
-            self.tell(message);
+            tell(&mut self.process, message);
         }
         if self.process.untaken() > 2 * MOST_BYTES_A_TURN {
             return Err("does not read what it is told".to_string());
         }
-        let until = match self.manifest.pace {
-            Pace::LockStep => now + patience,
-            Pace::Live => now,
+        // A plan that asks waits for the answer, whatever the pace.
+        let until = match (self.manifest.pace, question) {
+            (Pace::LockStep, _) | (Pace::Live, Some(_)) => now + patience,
+            (Pace::Live, None) => now,
         };
         let mut bytes = 0;
         loop {
             let heard = self.process.listen(until);
             if let Ok(Heard::Nothing) = heard {
+                if let Some((_, query)) = question {
+                    return Err(format!("did not answer the query `{query}` within {patience:?}"));
+                }
                 return match (self.manifest.pace, self.unanswered) {
                     (Pace::Live, Some((_, told))) if told.elapsed() <= patience => Ok(()),
                     (Pace::Live, None) => Ok(()),
@@ -150,8 +126,14 @@ impl ModuleProcess {
                 };
             }
             bytes += if let Ok(Heard::Line(line)) = &heard { line.len() } else { 0 };
-            let message = self.message(heard)?;
-            let is_answered = matches!(message, FromModule::Done { .. });
+            let message = message(&mut self.process, heard)?;
+            let is_done = matches!(message, FromModule::Done { .. });
+            let answers = |id: u64| question.is_some_and(|(asked, _)| asked == id);
+            let is_answered = match &message {
+                FromModule::Success { id, .. } | FromModule::Failure { id, .. } => answers(*id),
+                FromModule::Done { .. } => question.is_none() && self.manifest.pace == Pace::LockStep,
+                FromModule::Hello { .. } | FromModule::Fluents { .. } | FromModule::Event { .. } => false,
+            };
             messages.push(message);
             if messages.len() > MOST_MESSAGES || bytes > MOST_BYTES_A_TURN {
                 return Err(format!(
@@ -159,11 +141,11 @@ impl ModuleProcess {
                     MOST_BYTES_A_TURN >> 20
                 ));
             }
-            if is_answered {
+            if is_done {
                 self.unanswered = None;
-                if self.manifest.pace == Pace::LockStep {
-                    return Ok(());
-                }
+            }
+            if is_answered {
+                return Ok(());
             }
         }
     }
@@ -171,21 +153,79 @@ impl ModuleProcess {
     /// Tells it that the run is over, and waits for its end, but not long.
     fn part(&mut self) {
         if !std::mem::replace(&mut self.is_lost, true) {
-            self.tell(&ToModule::Bye);
+            tell(&mut self.process, &ToModule::Bye);
             self.process.end(PARTING);
         }
     }
 }
 
-/// How a module is greeted.
-pub fn hello(manifest: &Manifest, Greeting { period_us, seed }: Greeting) -> ToModule {
-    ToModule::Hello {
-        protocol: VERSION,
-        rpl: env!("CARGO_PKG_VERSION").to_string(),
-        module: manifest.name.clone(),
-        period_us,
-        pace: manifest.pace,
-        seed,
+/// Who speaks for a module, reached and greeted.
+///
+/// # Errors
+/// It cannot be reached, or does not greet as it should.
+fn greeted_process(manifest: &Manifest, folder: &Path, hello: &ToModule) -> Result<Process, Loss> {
+    let mut process = reached(manifest, folder).map_err(|why| Loss { why, last_words: String::new() })?;
+    match greet(manifest, &mut process, hello) {
+        Ok(()) => {
+            process.pass_errors_on(&manifest.name);
+            Ok(process)
+        }
+        Err(why) => {
+            process.end(Duration::ZERO);
+            Err(Loss { why, last_words: process.last_words() })
+        }
+    }
+}
+
+/// # Errors
+/// Why it cannot be started or connected to, as a clause.
+fn reached(manifest: &Manifest, folder: &Path) -> Result<Process, String> {
+    match &manifest.spokesman {
+        Spokesman::Command(command) => {
+            Process::start(command, folder, MOST_BYTES).map_err(|error| not_started(&command[0], &error))
+        }
+        Spokesman::Address(address) => {
+            let patience = Duration::from_micros(manifest.start_within_us);
+            Process::connect(address, patience, MOST_BYTES)
+                .map_err(|error| format!("cannot be connected to at `{address}`: {}; start its program first", error))
+        }
+    }
+}
+
+/// # Errors
+/// What it did instead of greeting, as a clause.
+fn greet(manifest: &Manifest, process: &mut Process, hello: &ToModule) -> Result<(), String> {
+    tell(process, hello);
+    let patience = Duration::from_micros(manifest.start_within_us);
+    let message = match process.listen(Instant::now() + patience) {
+        Ok(Heard::Nothing) => Err(format!("did not answer `hello` within {patience:?}")),
+        heard => message(process, heard),
+    };
+    greeted(manifest, &message?)
+}
+
+fn tell(process: &mut Process, message: &ToModule) {
+    match serde_json::to_vec(message) {
+        Ok(line) => process.tell(&line),
+        Err(error) => unreachable!("what is said was made of what can be said: {error}"),
+    }
+}
+
+/// The message in what was heard.
+///
+/// # Errors
+/// What it did instead, as a clause.
+fn message(process: &mut Process, heard: io::Result<Heard>) -> Result<FromModule, String> {
+    match heard {
+        Ok(Heard::Line(line)) => FromModule::read(&line),
+        Ok(Heard::TooLong) => Err(format!("said a line of more than {} MiB", MOST_BYTES >> 20)),
+        Ok(Heard::Nothing) => Err("did not answer".to_string()),
+        Ok(Heard::Closed(rest)) => {
+            let how = process.autopsy();
+            let rest = String::from_utf8_lossy(&rest);
+            Err(if rest.is_empty() { how } else { format!("{how} in the middle of a line: {}", clause(&rest)) })
+        }
+        Err(error) => Err(format!("cannot be heard: {error}")),
     }
 }
 
@@ -195,9 +235,10 @@ pub fn hello(manifest: &Manifest, Greeting { period_us, seed }: Greeting) -> ToM
 /// What it did instead, as a clause.
 pub fn greeted(manifest: &Manifest, message: &FromModule) -> Result<(), String> {
     match message {
-        FromModule::Hello { protocol, .. } if *protocol != VERSION => {
-            Err(format!("speaks version {protocol} of the protocol, and rpl speaks version {VERSION}"))
-        }
+        FromModule::Hello { protocol, .. } if *protocol != VERSION => Err(format!(
+            "speaks version {protocol} of the protocol, and rpl speaks version {VERSION}{}",
+            if *protocol < VERSION { CHANGES } else { "; take a newer rpl" }
+        )),
         FromModule::Hello { module, .. } if *module != manifest.name => {
             Err(format!("calls itself `{}`, which is not its name in the manifest", clause(module)))
         }
@@ -230,6 +271,7 @@ impl Live<ModuleWords, ModuleAnswer> for ModuleProcess {
                 self.part();
                 Err("was told to end".to_string())
             }
+            [hello @ ToModule::Hello { .. }] => return Ok(self.start_again(hello)),
             _ if self.is_lost => Err("was lost before".to_string()),
             words => self.turn(words, &mut messages),
         };

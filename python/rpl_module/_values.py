@@ -20,12 +20,12 @@ Value = Union[None, bool, int, float, str, Symbol, List["Value"]]
 
 
 class Failure(Exception):
-    """Raised in ``start`` or ``step`` it ends the behaviour with a failure of the plan.
+    """Raised in a behaviour or a query it becomes a failure of the plan.
 
     The class is one that the plan has defined (``def-failure``); the slots are those of the class.
     """
 
-    def __init__(self, failure_class: str, message: str, **slots: Value) -> None:
+    def __init__(self, failure_class: str, message: str, /, **slots: Value) -> None:
         super().__init__(message)
         self.failure_class = failure_class
         self.message = message

@@ -4,12 +4,13 @@ import contextlib
 import io
 import json
 import math
+import threading
 import unittest
 from typing import Any, Dict, List
 
 from rpl_module import Behaviour, Failure, Module, Symbol, Tick
 
-HELLO = {"type": "hello", "protocol": 1, "rpl": "0.2.0", "module": "m", "period_us": 50000, "pace": "lock-step", "seed": 7}
+HELLO = {"type": "hello", "protocol": 2, "rpl": "0.2.0", "module": "m", "period_us": 50000, "pace": "lock-step", "seed": 7}
 
 
 def start(behaviour: str, **arguments: Any) -> Dict[str, Any]:
@@ -29,7 +30,7 @@ def said(module: Module, *messages: Dict[str, Any]) -> List[Dict[str, Any]]:
     output = io.BytesIO()
     module.run(io.BytesIO(lines.encode()), output)
     answers = [json.loads(line) for line in output.getvalue().splitlines()]
-    assert answers.pop(0) == {"type": "hello", "protocol": 1, "module": "m"}
+    assert answers.pop(0) == {"type": "hello", "protocol": 2, "module": "m"}
     return answers
 
 
@@ -145,6 +146,115 @@ class Modules(unittest.TestCase):
         for value, mistake in ((math.inf, ValueError), ({"a": 1}, TypeError), (object(), TypeError)):
             with self.assertRaises(mistake):
                 module.set("x*", value)  # type: ignore[arg-type]
+
+    def test_a_behaviour_may_wait_and_its_result_is_the_value_of_the_call(self) -> None:
+        module = Module("m")
+
+        @module.behaviour("b")
+        class Fetches(Behaviour):
+            def run(self, thing: str) -> str:
+                module.event("begun")
+                self.sleep(0.12)
+                module.set("x*", 1)
+                self.wait_until(lambda: self.sleep(0) is None)
+                return Symbol(thing)
+
+        begun = {"type": "event", "what": "begun", "details": {}}
+        success = {"type": "success", "id": 1, "value": {"symbol": "cup"}}
+        ticks = [tick(step) for step in range(1, 6)]
+        for _ in range(20):
+            # Whichever thread comes first, the answers are the same.
+            self.assertEqual(said(module, start("b", thing="cup"), *ticks), [
+                begun, done(1), done(2), {"type": "fluents", "values": {"x*": 1}}, done(3), success, done(4), done(5),
+            ])
+
+    def test_a_behaviour_that_waits_hears_there_that_it_is_stopped_and_may_fail(self) -> None:
+        heard: List[str] = []
+        module = Module("m")
+
+        @module.behaviour("b")
+        class Waits(Behaviour):
+            def run(self) -> None:
+                try:
+                    self.sleep(0.05)
+                    try:
+                        self.sleep(10)
+                    except Exception:
+                        heard.append("no mistake")
+                finally:
+                    heard.append("cleaned up")
+
+            def stop(self, reason: str) -> None:
+                heard.append(reason)
+
+        self.assertEqual(said(module, start("b"), tick(1), stop("interrupted"), tick(2)), [done(1), done(2)])
+        self.assertEqual(heard, ["cleaned up", "interrupted"])
+
+        @module.behaviour("b")
+        class Fails(Behaviour):
+            def run(self) -> None:
+                self.sleep(0)
+                self.fail("no-cup", "gone", what="cup")
+                raise Failure("no-cup", "none there", message="left")
+
+        failed = {"type": "failure", "id": 1, "class": "no-cup", "message": "none there", "slots": {"message": "left"}}
+        self.assertEqual(said(module, start("b"), tick(1), tick(2)), [failed, done(1), done(2)])
+
+    def test_a_live_module_goes_on_beside_its_loop(self) -> None:
+        module, go_on, is_there = Module("m"), threading.Event(), threading.Event()
+
+        @module.behaviour("b")
+        class Blocks(Behaviour):
+            def run(self) -> int:
+                is_there.set()
+                go_on.wait()
+                return 3
+
+        module.hear({**HELLO, "pace": "live"})
+        self.assertEqual(module.hear(start("b")), [])
+        is_there.wait()
+        self.assertEqual(module.hear(tick(1)), [done(1)])
+        go_on.set()
+        answers: List[Dict[str, Any]] = []
+        step = 1
+        while not any(answer["type"] == "success" for answer in answers):
+            step += 1
+            answers = module.hear(tick(step))
+        self.assertEqual(answers, [{"type": "success", "id": 1, "value": 3}, done(step)])
+
+    def test_queries_are_answered_at_once(self) -> None:
+        module = Module("m")
+
+        @module.query("distance")
+        def distance(a: float, b: float) -> float:
+            if a == b:
+                raise Failure("no-way", "it is there")
+            return abs(a - b)
+
+        def query(*arguments: Any, name: str = "distance") -> Dict[str, Any]:
+            return {"type": "query", "id": 1, "query": name, "arguments": list(arguments), "time_us": 0}
+
+        self.assertEqual(said(module, query(1, 3.5)), [{"type": "success", "id": 1, "value": 2.5}])
+        refused = {"type": "failure", "id": 1, "class": "no-way", "message": "it is there", "slots": {}}
+        self.assertEqual(said(module, query(1, 1)), [refused])
+        for wrong in (query("a", 1), query(1), query(name="far")):
+            with contextlib.redirect_stderr(io.StringIO()):
+                self.assertEqual([answer["class"] for answer in said(module, wrong)], ["module-failure"])
+
+    def test_a_mistake_in_each_tick_does_not_end_the_module(self) -> None:
+        module = Module("m")
+
+        @module.each_tick
+        def sense(tick: Tick) -> None:
+            module.event("sensed", what="x", message="y")
+            raise ZeroDivisionError
+
+        errors = io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            answers = said(module, tick(1))
+        self.assertEqual([answer["type"] for answer in answers], ["event", "done"])
+        self.assertEqual(answers[0]["details"], {"what": "x", "message": "y"})
+        self.assertIn("ZeroDivisionError", errors.getvalue())
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ mod completion;
 mod debug_adapter;
 mod deftest;
 mod editors;
+mod errands;
 mod eval;
 mod experiment;
 mod figures;

@@ -67,7 +67,7 @@ impl Module for Camera {
         let pan_rad = now.percept.others.get("pan").and_then(Signal::number)?;
         if self.is_panning && (pan_rad - self.target_rad).abs() < STEP_RAD / 2.0 {
             self.is_panning = false;
-            tell.end(0, Ending::Success);
+            tell.end(0, Ending::DONE);
         }
         None
     }

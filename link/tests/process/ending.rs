@@ -9,7 +9,7 @@ use std::sync::Arc;
 fn it_ends_with_the_run_whatever_it_does_at_the_end() {
     for mode in ["right", "death-at-bye", "ignores-bye"] {
         let mut module = process(&manifest(mode, "")).unwrap_or_else(|error| panic!("{error}"));
-        let number = module.number();
+        let number = module.number().expect("it was started here");
         assert!(is_there(number), "{mode}");
         let answer = module.answer(&ModuleWords(vec![ToModule::Bye])).expect("it is no fault");
         assert!(answer.loss.is_some() && !is_there(number), "{mode}");
@@ -20,11 +20,11 @@ fn it_ends_with_the_run_whatever_it_does_at_the_end() {
 #[test]
 fn it_ends_when_it_is_dropped_or_its_thread_panics() {
     let module = process(&manifest("right", "")).unwrap_or_else(|error| panic!("{error}"));
-    let number = module.number();
+    let number = module.number().expect("it was started here");
     drop(module);
     assert!(!is_there(number));
     let module = process(&manifest("right", "")).unwrap_or_else(|error| panic!("{error}"));
-    let number = module.number();
+    let number = module.number().expect("it was started here");
     let panicked = std::thread::spawn(move || {
         let _module = Arc::new(module);
         std::panic::resume_unwind(Box::new("a fault"));

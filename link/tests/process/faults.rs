@@ -25,7 +25,10 @@ const REFUSED: &[(&str, &str)] = &[
     ("no-hello", "did not answer `hello` within 80ms; the last it wrote to standard error:\n  loading a large model"),
     ("not-hello-first", "did not say `hello` first"),
     ("text-before-hello", "said something that is no JSON: expected value at line 1 column 1: Loading weights..."),
-    ("wrong-version", "speaks version 2 of the protocol, and rpl speaks version 1"),
+    (
+        "wrong-version",
+        "speaks version 1 of the protocol, and rpl speaks version 2; a module in Python needs `rpl_module` of this rpl",
+    ),
     ("wrong-name", "calls itself `lamp`, which is not its name in the manifest"),
     ("floods-before-hello", "said a wrong message: missing field `type` at line 1 column 2: {}"),
 ];
@@ -74,7 +77,7 @@ const LOST: &[(&str, &str)] = &[
     ("missing-field", "said a wrong message: missing field `id`: {\"type\":\"success\"}"),
     (
         "unknown-field",
-        "said a wrong message: unknown field `result`, expected `id`: {\"type\":\"success\",\"id\":1,\"result\":2}",
+        "said a wrong message: unknown field `result`, expected `id` or `value`: {\"type\":\"success\",\"id\":1,\"result\":2}",
     ),
     (
         "wrong-type",
@@ -143,7 +146,7 @@ fn failing(played: &mut Played, mode: &str) -> String {
         let news = played.step();
         if let Some((behaviour, ending)) = news.endings.last() {
             assert_eq!(*behaviour, 0, "{mode}");
-            if matches!(ending, Ending::Success) {
+            if matches!(ending, Ending::Success(_)) {
                 let lost = news.events.last().unwrap_or_else(|| panic!("{mode}: it has ended once, and is lost"));
                 return lost.details[1].1.clone();
             }

@@ -3,7 +3,7 @@
 mode=$1
 say() { printf '%s\n' "$1"; }
 die() { echo "faulty: $mode" >&2; exit 3; }
-greet() { say "{\"type\":\"hello\",\"protocol\":${1:-1},\"module\":\"${2:-faulty}\"}"; }
+greet() { say "{\"type\":\"hello\",\"protocol\":${1:-2},\"module\":\"${2:-faulty}\"}"; }
 fluent() { say "{\"type\":\"fluents\",\"values\":{$1}}"; }
 done_at() { say "{\"type\":\"done\",\"time_us\":$1}"; }
 
@@ -14,8 +14,8 @@ case $mode in
   no-hello) echo "loading a large model" >&2; sleep 100 ;;
   not-hello-first) read -r line; fluent '"light*":1' ;;
   text-before-hello) echo "Loading weights..." ;;
-  wrong-version) read -r line; greet 2 ;;
-  wrong-name) read -r line; greet 1 lamp ;;
+  wrong-version) read -r line; greet 1 ;;
+  wrong-name) read -r line; greet 2 lamp ;;
   floods-before-hello) yes '{}' ;;
 esac
 read -r line

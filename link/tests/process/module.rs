@@ -59,6 +59,8 @@ doc = "The place it is near to."
 type = "symbol"
 "#;
 
+const GREETING: Greeting = Greeting { period_us: 50_000, seed: 1 };
+
 /// The module in a run of its own.
 pub struct Played {
     /// The module as the run sees it.
@@ -76,14 +78,14 @@ pub fn manifest(mode: &str, keys: &str) -> Arc<Manifest> {
 /// The process of a manifest, greeted.
 pub fn process(manifest: &Arc<Manifest>) -> Result<ModuleProcess, StartError> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/process");
-    ModuleProcess::start(manifest.clone(), &folder, Greeting { period_us: 50_000, seed: 1 })
+    ModuleProcess::start(manifest.clone(), &folder, GREETING)
 }
 
 /// Starts the module of a mode.
 pub fn play(mode: &str, keys: &str) -> Result<Played, StartError> {
     let manifest = manifest(mode, keys);
     let line = Transcript::live("faulty", Box::new(process(&manifest)?), Kept::Newest(100), None);
-    let module = ProcessModule::new(manifest, Conversation::new(Arc::new(line)));
+    let module = ProcessModule::new(manifest, GREETING, Conversation::new(Arc::new(line)));
     let mut symbols = Symbols::default();
     for name in ["area", "times", "colour", "kitchen"] {
         symbols.intern(name);

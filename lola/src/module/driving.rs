@@ -52,7 +52,7 @@ impl Lola {
                     .and_then(|(doorways, scan)| doorways.take_in(now.percept.odometry_in_odom, scan));
                 self.doorway = through.or(self.doorway);
                 let ending = match through {
-                    Some(_) => Some(Ending::Success),
+                    Some(_) => Some(Ending::DONE),
                     None => sought(output.event, doorways.is_some()),
                 };
                 (output.velocity, ending)
@@ -79,7 +79,7 @@ fn sought(event: Option<NavigationEvent>, through_door: bool) -> Option<Ending> 
         NavigationEvent::Arrived if through_door => {
             Some(Ending::failure("unreachable", "the robot came far without coming through a door"))
         }
-        NavigationEvent::Arrived => Some(Ending::Success),
+        NavigationEvent::Arrived => Some(Ending::DONE),
         NavigationEvent::Unreachable => {
             Some(Ending::failure("unreachable", "what has been seen leaves no way to the goal"))
         }

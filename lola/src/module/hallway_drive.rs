@@ -74,7 +74,7 @@ impl DriveEnd {
     /// As plans are told.
     pub fn ending(self) -> Ending {
         match self {
-            Self::There => Ending::Success,
+            Self::There => Ending::DONE,
             Self::Blocked => {
                 Ending::failure("blocked", "something stands in the hallway, and the robot does not get on")
             }

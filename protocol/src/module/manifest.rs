@@ -5,18 +5,20 @@ use super::message::Pace;
 use crate::value::is_name;
 use rpl_lang::symbol::fold_name;
 use rpl_robot::file_text::{FileFaults, Findings, Reader, TomlTable, TomlValue};
-use rpl_robot::foresight::act_model::ActModel;
+use rpl_robot::foresight::act_model::{ActModel, Effect};
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::robot::{BehaviourSpec, FluentSpec};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// The keys at the top of a manifest.
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 14] = [
     "name",
     "doc",
     "command",
+    "connect",
+    "restart",
     "answer_within",
     "start_within",
     "pace",
@@ -24,6 +26,7 @@ const KEYS: [&str; 11] = [
     "valves",
     "plans",
     "behaviour",
+    "query",
     "fluent",
 ];
 
@@ -39,6 +42,9 @@ const LONGEST_WAIT_US: u64 = 600_000_000;
 /// More valves, parameters of a behaviour, or words of a command are none.
 const MOST_ENTRIES: usize = 200;
 
+/// A module that is lost more often in a run is of no use.
+const MOST_RESTARTS: u32 = 1_000;
+
 /// What a module is, as its manifest says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
@@ -48,8 +54,10 @@ pub struct Manifest {
     pub name: String,
     /// What it is for.
     pub doc: String,
-    /// The program and its arguments.
-    pub command: Vec<String>,
+    /// Who speaks for it.
+    pub spokesman: Spokesman,
+    /// How often it is started again in a run, when it was lost.
+    pub restart: u32,
     /// How long the answer to a tick may take.
     pub answer_within_us: u64,
     /// How long the answer to the greeting may take.
@@ -68,10 +76,32 @@ pub struct Manifest {
     pub behaviours: Vec<BehaviourSpec>,
     /// How they go in projections, by their places, as far as it is said.
     pub models: BTreeMap<usize, ActModel>,
+    /// What plans can ask it.
+    pub queries: Vec<QuerySpec>,
     /// Its fluents.
     pub fluents: Vec<ModuleFluent>,
     /// Where its names stand in the file, for faults that show only beside others.
     pub places: Places,
+}
+
+/// Who speaks for a module.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spokesman {
+    /// A program that is started, with its arguments.
+    Command(Vec<String>),
+    /// One that waits at an address, as `host:port`.
+    Address(String),
+}
+
+/// A question that plans can ask a module, as they see it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct QuerySpec {
+    /// Its name, as that of a function.
+    pub name: String,
+    /// What the answer is.
+    pub doc: String,
+    /// The names of its arguments, by position.
+    pub parameters: String,
 }
 
 /// Where the names of a manifest stand in its text.
@@ -164,7 +194,8 @@ impl Manifest {
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let behaviours = self.behaviours.iter().map(|behaviour| &*behaviour.name);
         let fluents = self.fluents.iter().map(|fluent| &*fluent.spec.name);
-        behaviours.chain(fluents).chain(self.valves.iter().map(String::as_str))
+        let queries = self.queries.iter().map(|query| &*query.name);
+        behaviours.chain(fluents).chain(queries).chain(self.valves.iter().map(String::as_str))
     }
 
     /// Where a name of it stands: file, line and column.
@@ -182,7 +213,8 @@ fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option
     let mut names = Names::default();
     let name = reader.text(top, "name", "\"camera\"");
     let doc = reader.text(top, "doc", "\"A camera that sees cups.\"");
-    let command = read_command(reader, top);
+    let spokesman = read_spokesman(reader, top);
+    let restart = read_restart(reader, top);
     let answer_within_us = duration_us(reader, top, "answer_within", ANSWER_WITHIN_US);
     let start_within_us = duration_us(reader, top, "start_within", START_WITHIN_US);
     let paces = [("lock-step", Pace::LockStep), ("live", Pace::Live)];
@@ -195,17 +227,21 @@ fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option
     }
     let plans = if top.values.contains_key("plans") { reader.text(top, "plans", "\"camera.rpl\"") } else { None };
     let behaviours: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| behaviour(reader, t, &mut names)).collect();
-    let models: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| act_model(reader, t)).collect();
+    let mut models: Vec<_> = reader.tables(top, "behaviour").iter().map(|t| act_model(reader, t)).collect();
     let fluents: Vec<_> = reader.tables(top, "fluent").iter().map(|t| fluent(reader, t, &mut names)).collect();
-    if behaviours.is_empty() && fluents.is_empty() {
-        let advice = "add a table [[behaviour]] or [[fluent]] with `name` and `doc`";
-        reader.note(0..0, "", "the module offers nothing: no behaviour and no fluent", advice);
+    let known: Vec<ModuleFluent> = fluents.iter().flatten().cloned().collect();
+    hold_effects(reader, &mut models, &known, top.span_of("behaviour"));
+    let queries: Vec<_> = reader.tables(top, "query").iter().map(|t| query(reader, t, &mut names)).collect();
+    if behaviours.is_empty() && fluents.is_empty() && queries.is_empty() {
+        let advice = "add a table [[behaviour]], [[fluent]] or [[query]] with `name` and `doc`";
+        reader.note(0..0, "", "the module offers nothing: no behaviour, no fluent and no query", advice);
     }
     Some(Manifest {
         file: reader.file.to_string(),
         name: name?,
         doc: doc?,
-        command: command?,
+        spokesman: spokesman?,
+        restart: restart?,
         answer_within_us: answer_within_us?,
         start_within_us: start_within_us?,
         pace: pace?,
@@ -215,6 +251,7 @@ fn read_manifest<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option
         plans,
         behaviours: behaviours.into_iter().collect::<Option<_>>()?,
         models: models.into_iter().enumerate().filter_map(|(place, model)| Some((place, model?))).collect(),
+        queries: queries.into_iter().collect::<Option<_>>()?,
         fluents: fluents.into_iter().collect::<Option<_>>()?,
         places: Places { text: reader.text.to_string(), spans: names.spans },
     })
@@ -249,6 +286,53 @@ fn entries<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, key: &str, ex
         texts.truncate(MOST_ENTRIES);
     }
     texts
+}
+
+/// The program that is started, or the address that is connected to.
+fn read_spokesman<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Spokesman> {
+    if !top.values.contains_key("connect") {
+        return read_command(reader, top).map(Spokesman::Command);
+    }
+    let address = reader.text(top, "connect", "\"127.0.0.1:7400\"")?;
+    if top.values.contains_key("command") {
+        let advice = "`command` starts a program, `connect` waits for none: leave one away";
+        reader.note(top.span_of("command"), "command", "a module is started or connected to, not both", advice);
+    }
+    let port = address.rsplit_once(':').and_then(|(host, port)| port.parse::<u16>().ok().filter(|_| !host.is_empty()));
+    if port.is_none() {
+        let message = format!("\"{address}\" is no address");
+        reader.note(top.span_of("connect"), "connect", message, "write a host and a port, like \"127.0.0.1:7400\"");
+        return None;
+    }
+    Some(Spokesman::Address(address))
+}
+
+/// How often a lost module is started again.
+fn read_restart<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<u32> {
+    let Some(value) = top.values.get("restart") else { return Some(0) };
+    let times = value.get_ref().as_integer().and_then(|number| number.as_str().parse::<u32>().ok());
+    let times = times.filter(|times| *times <= MOST_RESTARTS);
+    if times.is_none() {
+        reader.expected(value, "restart", &format!("a whole number up to {MOST_RESTARTS}"), "3");
+    }
+    times
+}
+
+fn query<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<QuerySpec> {
+    reader.only_keys(table, &["name", "doc", "parameters"]);
+    let name = plan_name(reader, table, "\"distance\"", names);
+    let doc = reader.text(table, "doc", "\"How far it is, in m.\"");
+    let parameters = entries(reader, table, "parameters", "[\"from\", \"to\"]");
+    for (at, parameter) in parameters.iter().enumerate() {
+        if !is_name(parameter) || fold_name(parameter) != *parameter || parameter.starts_with([':', '&']) {
+            let message = format!("\"{parameter}\" is no parameter of a query");
+            reader.note(table.span_of("parameters"), "parameters", message, "write one word, like \"from\"");
+        } else if parameters[..at].contains(parameter) {
+            let message = format!("the parameter `{parameter}` is there twice");
+            reader.note(table.span_of("parameters"), "parameters", message, "name each parameter once");
+        }
+    }
+    Some(QuerySpec { name: name?, doc: doc?, parameters: parameters.join(" ") })
 }
 
 fn read_command<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> Option<Vec<String>> {
@@ -304,7 +388,7 @@ fn read_wants<'i>(reader: &mut Reader<'i>, top: &TomlTable<'_, 'i>) -> (bool, bo
 }
 
 fn behaviour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut Names) -> Option<BehaviourSpec> {
-    reader.only_keys(table, &["name", "doc", "parameters", "valve", "takes", "fails"]);
+    reader.only_keys(table, &["name", "doc", "parameters", "valve", "takes", "fails", "sets"]);
     let name = plan_name(reader, table, "\"sweep\"", names);
     let doc = reader.text(table, "doc", "\"Sweeps an area once.\"");
     let parameters = entries(reader, table, "parameters", "[\":area\"]");
@@ -328,11 +412,11 @@ fn behaviour<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>, names: &mut
 
 /// How a behaviour goes in projections; none if nothing is said of it, or something that is noted.
 fn act_model<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<ActModel> {
-    let failures = read_failures(reader, table);
+    let (failures, sets) = (read_failures(reader, table), read_effects(reader, table));
     let Some(value) = table.values.get("takes") else {
-        if table.values.contains_key("fails") {
-            let message = "`fails` is for projections, and these need to know how long it takes";
-            reader.note(table.span_of("fails"), "fails", message, format!("add `takes = {TAKES}`"));
+        for key in ["fails", "sets"].into_iter().filter(|key| table.values.contains_key(*key)) {
+            let message = format!("`{key}` is for projections, and these need to know how long it takes");
+            reader.note(table.span_of(key), key, message, format!("add `takes = {TAKES}`"));
         }
         return None;
     };
@@ -345,7 +429,7 @@ fn act_model<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<A
         .collect();
     match takes[..] {
         [least_s, likely_s, most_s] if least_s <= likely_s && likely_s <= most_s => {
-            Some(ActModel { takes_s: [least_s, likely_s, most_s], failures })
+            Some(ActModel { takes_s: [least_s, likely_s, most_s], failures, sets })
         }
         _ => {
             reader.expected(value, "takes", "three times up to 10 minutes: at least, most likely, at most", TAKES);
@@ -355,7 +439,58 @@ fn act_model<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Option<A
 }
 
 const TAKES: &str = "[\"2s\", \"3s\", \"5s\"]";
+const SETS: &str = "{ \"lamp-on?*\" = true, \"area*\" = \":area\" }";
 const FAILS: &str = "{ lamp-failure = 0.05 }";
+
+/// The fluents that a behaviour sets, and to what.
+fn read_effects<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Vec<(String, Effect)> {
+    let Some(value) = table.values.get("sets") else { return Vec::new() };
+    let Some(sets) = value.get_ref().as_table() else {
+        reader.expected(value, "sets", "fluents with the value of each", SETS);
+        return Vec::new();
+    };
+    let parameters = reader.texts(table, "parameters", "[\":area\"]");
+    let mut effects = Vec::new();
+    for (fluent, set) in sets {
+        let effect = match set.get_ref() {
+            DeValue::Boolean(truth) => Some(Effect::Value(Reading::Truth(*truth))),
+            DeValue::Integer(number) => number.as_str().parse().ok().map(|number| Effect::Value(Reading::Int(number))),
+            DeValue::Float(number) => number.as_str().parse().ok().map(|number| Effect::Value(Reading::Float(number))),
+            DeValue::String(text) => match text.strip_prefix(':') {
+                Some(word) if parameters.iter().any(|known| known.strip_prefix(':') == Some(word)) => {
+                    Some(Effect::Argument(word.to_string()))
+                }
+                Some(_) => None,
+                None => Some(Effect::Value(Reading::Text(text.to_string()))),
+            },
+            DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => None,
+        };
+        match effect {
+            Some(effect) => effects.push((fold_name(fluent.get_ref()).into_owned(), effect)),
+            None => reader.expected(set, "sets", "a truth, a number, a text or a parameter of the behaviour", SETS),
+        }
+    }
+    effects
+}
+
+/// What behaviours set is held by fluents of the module as they are; what is wrong is noted.
+fn hold_effects(reader: &mut Reader, models: &mut [Option<ActModel>], fluents: &[ModuleFluent], span: Range<usize>) {
+    for (name, effect) in models.iter_mut().flatten().flat_map(|model| &mut model.sets) {
+        let Some(fluent) = fluents.iter().find(|fluent| fluent.spec.name == *name) else {
+            let message = format!("`sets` names `{name}`, and the module has no such fluent");
+            reader.note(span.clone(), "sets", message, "add a table [[fluent]] for it, or leave it away");
+            continue;
+        };
+        let Effect::Value(reading) = effect else { continue };
+        match fluent.kind.held(reading.clone()) {
+            Some(held) => *reading = held,
+            None => {
+                let message = format!("`sets` gives `{name}` another value than a {}", fluent.kind.name());
+                reader.note(span.clone(), "sets", message, format!("write a {}", fluent.kind.name()));
+            }
+        }
+    }
+}
 
 /// The classes of failures and the probability of each.
 fn read_failures<'i>(reader: &mut Reader<'i>, table: &TomlTable<'_, 'i>) -> Vec<(String, f64)> {

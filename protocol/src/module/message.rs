@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The version of what is said here. A module that speaks another one is refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// A longer line is no message.
 pub const MOST_BYTES: usize = 1 << 20;
@@ -42,6 +42,15 @@ pub enum Pace {
     LockStep,
     /// At the robot's next step after they come.
     Live,
+}
+
+impl Greeting {
+    /// How a module of a name is greeted.
+    pub fn hello(self, module: &str, pace: Pace) -> ToModule {
+        let Self { period_us, seed } = self;
+        let rpl = env!("CARGO_PKG_VERSION").to_string();
+        ToModule::Hello { protocol: VERSION, rpl, module: module.to_string(), period_us, pace, seed }
+    }
 }
 
 /// What a module is told.
@@ -84,7 +93,18 @@ pub enum ToModule {
         /// Why.
         reason: Stopped,
     },
-    /// The robot has made a step. The module says what is new, and then `done`.
+    /// A plan asks something: the module answers at once, with `success` or `failure`.
+    Query {
+        /// Names this question; no other has it, nor an activation.
+        id: u64,
+        /// The query.
+        query: String,
+        /// Values by position.
+        arguments: Vec<Spoken>,
+        /// Time since the start of the run.
+        time_us: u64,
+    },
+    /// The robot has made a step, or its time has passed where there is none. The module says what is new, and then `done`.
     Tick {
         /// Time since the start of the run.
         time_us: u64,
@@ -116,14 +136,17 @@ pub enum FromModule {
         /// By name.
         values: BTreeMap<String, Spoken>,
     },
-    /// A behaviour has done what it was asked to.
+    /// A behaviour has done what it was asked to, or a query is answered.
     Success {
-        /// The activation.
+        /// The activation or the question.
         id: u64,
+        /// The value of the call in the plan; without one, that of a behaviour is `t`, and that of a query `nil`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        value: Option<Spoken>,
     },
-    /// A behaviour cannot do what it was asked to.
+    /// A behaviour cannot do what it was asked to, or a query has no answer.
     Failure {
-        /// The activation.
+        /// The activation or the question.
         id: u64,
         /// The class of the failure, which a plan has defined; any other is told as `behaviour-failure`.
         class: String,
@@ -203,7 +226,8 @@ impl From<Estimate> for Position {
     }
 }
 
-/// One turn of a conversation with a module: starts and stops, and the tick at the end; or `bye` alone.
+/// One turn of a conversation with a module: starts and stops, and a tick or a query at the end; `bye` alone; or `hello`
+/// alone, for a module that was lost and is to start again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModuleWords(pub Vec<ToModule>);
 

@@ -1,15 +1,17 @@
 //! Modules in other processes where there is no robot of ours: all that plans see comes from them. They hear of time
 //! by ticks at a fixed period, and each turn is one of [`ProcessModules`], as on a robot.
 
+use super::foreseen_modules::ForeseenModules;
 use super::message::Greeting;
 use super::process_modules::ProcessModules;
 use rpl_lang::symbol::Symbol;
 use rpl_robot::office::{Composition, Module, Report, Telling};
-use rpl_runtime::robot::{Outbox, Outside, RobotTables, StopReason};
+use rpl_runtime::robot::{ForeseenRobot, Outbox, Outside, RobotTables, StopReason};
 use rpl_runtime::run::save::{SaveOutside, append};
 use rpl_runtime::state::activation::Phases;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::state::machine::Machine;
+use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
 use std::sync::Arc;
@@ -70,6 +72,11 @@ impl Outside for ModulesAlone {
     fn step(&mut self, now_us: u64, _: Phases<'_>, outbox: &mut Outbox) {
         self.ticked_us = now_us;
         self.modules.turn(now_us, None, &mut Telling::of_all(outbox));
+    }
+
+    fn foresee(&self, now_us: u64, phases: Phases<'_>, _: Grain) -> Result<ForeseenRobot, Raise> {
+        let (composition, modules) = (self.composition.clone(), self.modules.clone());
+        Ok(ForeseenRobot::of(ForeseenModules::new(composition, modules, now_us, phases)?))
     }
 
     fn part(&mut self, of: TypeId) -> Option<&mut dyn Any> {

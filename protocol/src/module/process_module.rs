@@ -2,9 +2,9 @@
 //! judges what it hears. What it cannot understand loses the module: everything it was doing fails.
 
 use super::manifest::Manifest;
-use super::message::{Drive, FromModule, Loss, MOST_BYTES, ModuleAnswer, ModuleWords, Pace, ToModule};
+use super::message::{Drive, FromModule, Greeting, Loss, MOST_BYTES, ModuleAnswer, ModuleWords, Pace, ToModule};
 use crate::host::PerceptMessage;
-use crate::line::Conversation;
+use crate::line::{Conversation, LineFault};
 use crate::value::{Spoken, is_name};
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::{Symbol, fold_name};
@@ -34,7 +34,10 @@ const FASTEST: f64 = 100.0;
 #[derive(Clone, Debug)]
 pub struct ProcessModule {
     manifest: Arc<Manifest>,
+    greeting: Greeting,
     conversation: Conversation<ModuleWords, ModuleAnswer>,
+    /// What was said between two ticks, beside the answers to questions: it takes effect with the next one.
+    heard: ModuleAnswer,
     /// Starts and stops since the last tick.
     unsaid: Vec<ToModule>,
     /// The last activation of each behaviour.
@@ -46,6 +49,8 @@ pub struct ProcessModule {
     answered_us: Option<u64>,
     /// Why it is not asked any more.
     lost: Option<String>,
+    /// How often it may be started again.
+    restarts_left: u32,
 }
 
 /// What changes of a module: the rest is what it is.
@@ -55,11 +60,14 @@ pub struct SavedModule {
     turn: u64,
     /// What was not yet said, as JSON.
     unsaid: String,
+    /// What was heard and has not taken effect, as JSON.
+    heard: String,
     activations: Vec<Activation>,
     next_id: u64,
     drive: Option<Drive>,
     answered_us: Option<u64>,
     lost: Option<String>,
+    restarts_left: u32,
 }
 
 /// The last activation of a behaviour.
@@ -89,11 +97,18 @@ pub struct News {
 
 impl ProcessModule {
     /// A module at the start of a run, which was greeted.
-    pub fn new(manifest: Arc<Manifest>, conversation: Conversation<ModuleWords, ModuleAnswer>) -> Self {
+    pub fn new(
+        manifest: Arc<Manifest>,
+        greeting: Greeting,
+        conversation: Conversation<ModuleWords, ModuleAnswer>,
+    ) -> Self {
         let activations = vec![Activation::Never; manifest.behaviours.len()];
         Self {
+            restarts_left: manifest.restart,
             manifest,
+            greeting,
             conversation,
+            heard: ModuleAnswer::default(),
             unsaid: Vec::new(),
             activations,
             next_id: 1,
@@ -105,13 +120,11 @@ impl ProcessModule {
 
     /// What a saved run has of it.
     pub fn saved(&self) -> SavedModule {
-        let unsaid = match serde_json::to_string(&self.unsaid) {
-            Ok(unsaid) => unsaid,
-            Err(error) => unreachable!("what will be said can be written: {error}"),
-        };
         SavedModule {
             turn: self.conversation.turn(),
-            unsaid,
+            unsaid: written(&self.unsaid),
+            heard: written(&self.heard),
+            restarts_left: self.restarts_left,
             activations: self.activations.clone(),
             next_id: self.next_id,
             drive: self.drive,
@@ -126,13 +139,15 @@ impl ProcessModule {
     /// What was saved is none of this module.
     pub fn restore(&mut self, saved: SavedModule) -> Result<(), String> {
         let name = &self.manifest.name;
-        let unsaid = serde_json::from_str(&saved.unsaid)
-            .map_err(|error| format!("what the module `{name}` was to be told is damaged: {error}"))?;
+        let damaged = |error| format!("what the module `{name}` was to be told, or has said, is damaged: {error}");
+        let unsaid = serde_json::from_str(&saved.unsaid).map_err(damaged)?;
+        let heard = serde_json::from_str(&saved.heard).map_err(damaged)?;
         if saved.activations.len() != self.activations.len() {
             return Err(format!("the run was saved with other behaviours of the module `{name}`"));
         }
         self.conversation.go_on_at(saved.turn);
-        (self.unsaid, self.activations, self.next_id) = (unsaid, saved.activations, saved.next_id);
+        (self.unsaid, self.heard, self.restarts_left) = (unsaid, heard, saved.restarts_left);
+        (self.activations, self.next_id) = (saved.activations, saved.next_id);
         (self.drive, self.answered_us, self.lost) = (saved.drive, saved.answered_us, saved.lost);
         Ok(())
     }
@@ -150,9 +165,16 @@ impl ProcessModule {
                 Activation::Never | Activation::Stopped(_) | Activation::Ended(_) => {}
             }
         }
-        self.unsaid.clear();
-        (self.drive, self.answered_us, self.lost) = (None, None, None);
+        self.begin_anew();
+        self.restarts_left = self.manifest.restart;
         interrupted
+    }
+
+    /// Its process knows nothing of what was said before.
+    fn begin_anew(&mut self) {
+        self.unsaid.clear();
+        self.heard = ModuleAnswer::default();
+        (self.drive, self.answered_us, self.lost) = (None, None, None);
     }
 
     /// What it offers.
@@ -196,10 +218,65 @@ impl ProcessModule {
         self.unsaid.push(ToModule::Stop { id, behaviour: name, reason: why.into() });
     }
 
+    /// Asks it a question, in the middle of an instant. It has heard before of all that was started and stopped.
+    ///
+    /// # Errors
+    /// The failure that it answers with, or that of a lost module.
+    pub fn ask(&mut self, query: &str, arguments: Vec<Spoken>, time_us: u64) -> Result<Reading, Ending> {
+        if let Some(reason) = self.lost.as_ref().or(self.heard.loss.as_ref().map(|loss| &loss.why)) {
+            return Err(self.failure(reason));
+        }
+        let id = self.next_id;
+        self.next_id += 1;
+        let mut words = std::mem::take(&mut self.unsaid);
+        words.push(ToModule::Query { id, query: query.to_string(), arguments, time_us });
+        let answer = self.conversation.say(&ModuleWords(words)).unwrap_or_else(unasked);
+        let mut found = None;
+        for message in answer.messages {
+            match message {
+                FromModule::Success { id: of, value } if of == id => {
+                    found = Some(Ok(value.map_or(Reading::Truth(false), |value| value.0)));
+                }
+                FromModule::Failure { id: of, class, message, slots } if of == id => {
+                    found = Some(Err(failed(class, message, slots)));
+                }
+                message => self.heard.messages.push(message),
+            }
+        }
+        self.heard.loss = answer.loss;
+        match (found, &self.heard.loss) {
+            (Some(Ok(reading)), _) => Ok(reading),
+            (Some(Err(Ok(failure))), _) => Err(failure),
+            (Some(Err(Err(why))), _) => Err(self.failure(&why)),
+            (None, Some(loss)) => Err(self.failure(&loss.why)),
+            (None, None) => Err(self.failure("did not answer")),
+        }
+    }
+
+    /// A module that was lost is started again, as often as its manifest allows. Whether it works.
+    fn starts_again(&mut self, news: &mut News) -> bool {
+        let Some(left) = self.restarts_left.checked_sub(1) else { return false };
+        self.restarts_left = left;
+        let hello = self.greeting.hello(&self.manifest.name, self.manifest.pace);
+        let answer = self.conversation.say(&ModuleWords(vec![hello])).unwrap_or_else(unasked);
+        if let Some(loss) = answer.loss {
+            self.lose(loss, news);
+            return false;
+        }
+        self.begin_anew();
+        news.events.push(RobotEvent {
+            what: "module started again".into(),
+            details: vec![("module".into(), self.manifest.name.clone()), ("left".into(), left.to_string())],
+        });
+        true
+    }
+
     /// One step: the module hears of it, and of what it wants of the robot if there is one, and answers.
     pub fn step(&mut self, time_us: u64, robot: Option<(Estimate, &Percept)>) -> News {
         let mut news = News::default();
-        if self.lost.is_some() {
+        let heard = std::mem::take(&mut self.heard);
+        self.take_early(heard, time_us, &mut news);
+        if self.lost.is_some() && !self.starts_again(&mut news) {
             return news;
         }
         let Manifest { wants_position, wants_percept, .. } = *self.manifest;
@@ -211,19 +288,15 @@ impl ProcessModule {
                 .filter(|_| wants_percept)
                 .map(|(_, percept)| Box::new(PerceptMessage::new(self.conversation.turn(), None, percept))),
         });
-        match self.conversation.say(&ModuleWords(words)) {
-            Err(fault) => {
-                self.lose(Loss { why: format!("cannot be asked: {}", fault.0), last_words: String::new() }, &mut news)
-            }
-            Ok(answer) => self.take(answer, time_us, &mut news),
-        }
+        let answer = self.conversation.say(&ModuleWords(words)).unwrap_or_else(unasked);
+        self.take(answer, time_us, &mut news);
         news.velocity = self.velocity();
         news
     }
 
-    /// Takes in what was answered to the tick of a time.
-    fn take(&mut self, answer: ModuleAnswer, time_us: u64, news: &mut News) {
-        for message in answer.messages {
+    /// Takes in what was said since the last tick.
+    fn take_early(&mut self, heard: ModuleAnswer, time_us: u64, news: &mut News) {
+        for message in heard.messages {
             if let Err(why) = self.hear(message, time_us, news) {
                 // It may have said more about it on its standard error.
                 let end = self.conversation.say(&ModuleWords(vec![ToModule::Bye]));
@@ -231,8 +304,16 @@ impl ProcessModule {
                 return self.lose(Loss { why, last_words }, news);
             }
         }
-        match answer.loss {
-            Some(loss) => self.lose(loss, news),
+        if let Some(loss) = heard.loss {
+            self.lose(loss, news);
+        }
+    }
+
+    /// Takes in what was answered to the tick of a time.
+    fn take(&mut self, answer: ModuleAnswer, time_us: u64, news: &mut News) {
+        self.take_early(answer, time_us, news);
+        match self.lost {
+            Some(_) => {}
             None if self.manifest.pace == Pace::LockStep && self.answered_us != Some(time_us) => {
                 self.lose(Loss { why: "did not answer the tick".to_string(), last_words: String::new() }, news);
             }
@@ -254,14 +335,13 @@ impl ProcessModule {
                 }
                 Ok(())
             }
-            FromModule::Success { id } => self.end(id, Ending::Success, news),
+            FromModule::Success { id, value } => {
+                let value = value.map_or(Ending::DONE, |value| Ending::Success(value.0));
+                self.end(id, value, news)
+            }
             FromModule::Failure { id, class, message, slots } => {
-                let class = fold_name(&class).into_owned();
-                if let Some(name) = [&class].into_iter().chain(slots.keys()).find(|name| !is_name(name)) {
-                    return Err(format!("said a failure with \"{}\", which is no name", clause(name)));
-                }
-                let slots = slots.into_iter().map(|(name, value)| (fold_name(&name).into_owned(), value.0)).collect();
-                self.end(id, Ending::Failure { class, message, slots }, news)
+                let ending = failed(class, message, slots)?;
+                self.end(id, ending, news)
             }
             FromModule::Event { what, details } => {
                 let what = format!("{}: {what}", self.manifest.name);
@@ -382,6 +462,33 @@ impl ProcessModule {
         let is_driving = self.manifest.behaviours.iter().zip(&self.activations).any(drives);
         let Drive { translation_mps, rotation_radps } = self.drive.filter(|_| is_driving && self.lost.is_none())?;
         Some(Velocity { translation_mps, rotation_radps })
+    }
+}
+
+/// The failure that a module says.
+///
+/// # Errors
+/// Its class or a slot is no name, as a clause.
+fn failed(class: String, message: String, slots: BTreeMap<String, Spoken>) -> Result<Ending, String> {
+    let class = fold_name(&class).into_owned();
+    if let Some(name) = [&class].into_iter().chain(slots.keys()).find(|name| !is_name(name)) {
+        return Err(format!("said a failure with \"{}\", which is no name", clause(name)));
+    }
+    let slots = slots.into_iter().map(|(name, value)| (fold_name(&name).into_owned(), value.0)).collect();
+    Ok(Ending::Failure { class, message, slots })
+}
+
+/// The answer of a module to which nothing can be said.
+fn unasked(fault: LineFault) -> ModuleAnswer {
+    let loss = Loss { why: format!("cannot be asked: {}", fault.0), last_words: String::new() };
+    ModuleAnswer { messages: Vec::new(), loss: Some(loss) }
+}
+
+/// A part of a saved module.
+fn written(value: &impl Serialize) -> String {
+    match serde_json::to_string(value) {
+        Ok(text) => text,
+        Err(error) => unreachable!("what is said and heard can be written: {error}"),
     }
 }
 

@@ -3,7 +3,9 @@
 use super::manifest::Manifest;
 use super::message::{Greeting, ModuleAnswer, ModuleWords};
 use super::process_module::{ProcessModule, SavedModule};
+use super::queries;
 use crate::line::{Conversation, Line};
+use crate::value::Spoken;
 use rpl_lang::symbol::Symbol;
 use rpl_robot::geometry::Velocity;
 use rpl_robot::localization::Estimate;
@@ -12,8 +14,11 @@ use rpl_robot::office::{
     Telling,
 };
 use rpl_robot::simulator::Percept;
+use rpl_runtime::robot::Ending;
+use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
+use rpl_runtime::step::native::Native;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -32,9 +37,17 @@ pub struct ModuleSource {
     pub open: Arc<OpenLine>,
     /// Whether it waits for the run: in lock step, and where a recording speaks for it.
     pub waits: bool,
+    /// Its queries, as functions of plans.
+    pub queries: Vec<Native>,
 }
 
 impl ModuleSource {
+    /// A module with this manifest.
+    pub fn new(manifest: Arc<Manifest>, plans: Option<PlanText>, open: Arc<OpenLine>, waits: bool) -> Self {
+        let queries = queries::natives(&manifest);
+        Self { manifest, plans, open, waits, queries }
+    }
+
     fn spec(&self) -> ModuleSpec {
         let Manifest { name, behaviours, models, fluents, valves, .. } = &*self.manifest;
         ModuleSpec {
@@ -42,7 +55,7 @@ impl ModuleSource {
             behaviours: behaviours.clone(),
             fluents: fluents.iter().map(|fluent| fluent.spec.clone()).collect(),
             valves: valves.iter().cloned().map(Into::into).collect(),
-            functions: Vec::new(),
+            functions: self.queries.clone(),
             plans: self.plans.iter().cloned().collect(),
             models: models.clone(),
         }
@@ -113,6 +126,8 @@ pub struct ProcessModules {
     layout: Layout,
     /// What was loaded, and has no modules yet.
     saved: Vec<SavedModule>,
+    /// Whether they are those of a projected run, which asks nobody.
+    is_foreseen: bool,
 }
 
 impl From<ProcessModules> for Vec<SavedModule> {
@@ -123,7 +138,7 @@ impl From<ProcessModules> for Vec<SavedModule> {
 
 impl From<Vec<SavedModule>> for ProcessModules {
     fn from(saved: Vec<SavedModule>) -> Self {
-        Self { modules: Vec::new(), layout: Layout::default(), saved }
+        Self { modules: Vec::new(), layout: Layout::default(), saved, is_foreseen: false }
     }
 }
 
@@ -139,9 +154,9 @@ impl ProcessModules {
     /// The modules of a run that greets them so.
     pub(super) fn greeted(sources: &ModuleSources, greeting: Greeting) -> Self {
         let opened = sources.0.iter().map(|ModuleSource { manifest, open, .. }| {
-            ProcessModule::new(manifest.clone(), Conversation::new(open(greeting)))
+            ProcessModule::new(manifest.clone(), greeting, Conversation::new(open(greeting)))
         });
-        Self { modules: opened.collect(), layout: Self::layout(sources), saved: Vec::new() }
+        Self { modules: opened.collect(), layout: Self::layout(sources), saved: Vec::new(), is_foreseen: false }
     }
 
     /// Starts a behaviour of all.
@@ -160,6 +175,27 @@ impl ProcessModules {
             tell.of(part).end(own, ending);
         }
         Ok(())
+    }
+
+    /// Asks a module, by its name.
+    ///
+    /// # Errors
+    /// As for [`ProcessModule::ask`]; or the run is a projected one.
+    pub(super) fn ask(
+        &mut self,
+        module: &str,
+        query: &str,
+        arguments: Vec<Spoken>,
+        time_us: u64,
+    ) -> Result<Reading, Ending> {
+        if self.is_foreseen {
+            let why =
+                format!("there is no model of what the query `{query}` answers, so no plan that asks it is projected");
+            return Err(Ending::failure("projection-failure", why));
+        }
+        let found = self.modules.iter_mut().find(|known| known.manifest().name == module);
+        let Some(found) = found else { unreachable!("a query belongs to a module of the run") };
+        found.ask(query, arguments, time_us)
     }
 
     /// Stops a behaviour of all.
@@ -212,6 +248,10 @@ impl Module for ProcessModules {
 
     fn new(sources: &ModuleSources, model: &OfficeModel, seed: u64) -> Self {
         Self::greeted(sources, Greeting { period_us: model.settings.robot.step_us, seed })
+    }
+
+    fn foresee(&mut self) {
+        self.is_foreseen = true;
     }
 
     fn resume(&mut self, at_start: &Self) -> Result<(), String> {

@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use rpl_command::embedded::{self, Speaker};
-use rpl_link::process_module::{greeted, hello};
+use rpl_link::process_module::greeted;
 use rpl_link::transcript::Live;
 use rpl_protocol::line::LineFault;
 use rpl_protocol::module::manifest::Manifest;
@@ -63,7 +63,7 @@ struct PythonModule {
 
 impl PythonModule {
     fn greet(&self, manifest: &Manifest, greeting: Greeting) -> Result<(), Loss> {
-        match self.turn(&[hello(manifest, greeting)])?.as_slice() {
+        match self.turn(&[greeting.hello(&manifest.name, manifest.pace)])?.as_slice() {
             [message] => greeted(manifest, message).map_err(lost),
             _ => Err(lost("did not answer `hello` with one message".to_string())),
         }

@@ -96,6 +96,10 @@ macro_rules! modules {
                 is_outside
             }
 
+            fn foresee(&mut self) {
+                $($crate::office::Module::foresee(&mut self.$field);)+
+            }
+
             fn start(
                 &mut self,
                 behaviour: usize,

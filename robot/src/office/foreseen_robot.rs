@@ -29,6 +29,7 @@ use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::projected::Grain;
 use rpl_runtime::state::value::Value;
 use std::any::{Any, TypeId};
+use std::collections::BTreeMap;
 
 /// The place of the robot is drawn from this many maxima of its belief, each with at least such a part of it.
 const MOST_HYPOTHESES: usize = 16;
@@ -57,6 +58,8 @@ pub(super) struct ForeseenOffice<M: Module> {
     /// What goes on when the projection begins.
     pub(super) begun: Vec<UnderWay>,
     unforeseen: Option<String>,
+    /// What behaviours of other modules set when they succeed, by the places of fluents.
+    sets: BTreeMap<u16, Vec<(usize, Reading)>>,
 }
 
 /// The robot that is foreseen from what a controller knows, with where it may be as a grain wants it.
@@ -94,7 +97,9 @@ pub(super) fn at_start<M: Module>(controller: &Controller<M>, models: Models) ->
 
 /// The controller in the world that the map shows.
 fn known<M: Module>(controller: &Controller<M>) -> Controller<M> {
-    Controller { model: controller.model.known(), ..controller.clone() }
+    let mut known = Controller { model: controller.model.known(), ..controller.clone() };
+    known.modules.foresee();
+    known
 }
 
 fn foreseen<M: Module>(
@@ -115,7 +120,16 @@ fn foreseen<M: Module>(
     let odom_in_map = pose_in_map.compose(controller.board.position.odometry_in_odom().inverse());
     let knowledge = knowledge(&controller, &model, map, models, grain);
     let robot = AbstractRobot::new(knowledge, ways.ways.clone(), holding, battery, now_us);
-    let mut foreseen = ForeseenOffice { controller, robot, ways, odom_in_map, found_closed, begun, unforeseen: None };
+    let mut foreseen = ForeseenOffice {
+        controller,
+        robot,
+        ways,
+        odom_in_map,
+        found_closed,
+        begun,
+        unforeseen: None,
+        sets: BTreeMap::new(),
+    };
     foreseen.tell_position();
     Ok(foreseen)
 }
@@ -284,7 +298,7 @@ impl<M: Module> ForeseenOffice<M> {
     fn ending(&self, outcome: Outcome) -> Ending {
         let world = &self.controller.model.world;
         match outcome {
-            Outcome::Done => Ending::Success,
+            Outcome::Done => Ending::DONE,
             Outcome::Unreachable => Ending::failure("unreachable", "the map shows no way to the target"),
             Outcome::Empty => navigation::blocked(world, None, self.robot.robot_in_map.point()),
             Outcome::DoorClosed(door) => {
@@ -332,6 +346,9 @@ impl<M: Module> ForeseenOffice<M> {
         for (doing, outcome) in ended {
             let mut numbers = 0..self.tables().behaviours.len() as u16;
             if let Some(number) = numbers.find(|&number| self.doing(number) == Some(doing)) {
+                if outcome == Outcome::Done {
+                    outbox.fluents.extend(self.sets.get(&number).into_iter().flatten().cloned());
+                }
                 outbox.endings.push((number, self.ending(outcome)));
             }
         }
@@ -405,7 +422,12 @@ impl<M: Module> Outside for ForeseenOffice<M> {
             Doing::Looking => UnderWay::Looking,
             Doing::Moving => UnderWay::Moving(move_by_odometry::arguments(machine, arguments)?.0),
             Doing::Searching => UnderWay::Searching,
-            Doing::Acting(number) => acting(&self.controller.composition, number),
+            Doing::Acting(number) => {
+                let composition = &self.controller.composition;
+                let sets = composition.models[&number].effects(&composition.tables, machine, arguments);
+                self.sets.insert(number, sets);
+                acting(composition, number)
+            }
         };
         self.begin(&asked);
         Ok(())

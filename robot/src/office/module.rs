@@ -98,6 +98,9 @@ pub trait Module: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
         false
     }
 
+    /// From here on it is a module of a projected run, which asks nobody outside.
+    fn foresee(&mut self) {}
+
     /// Starts one of its behaviours.
     ///
     /// # Errors

@@ -112,8 +112,8 @@ pub enum StopReason {
 /// How a behaviour ended by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// It has done what it was asked to.
-    Success,
+    /// It has done what it was asked to. The reading is the value of its signal.
+    Success(Reading),
     /// It cannot.
     Failure {
         /// The class of failure.
@@ -126,6 +126,9 @@ pub enum Ending {
 }
 
 impl Ending {
+    /// It has done what it was asked to, and there is no more to say of it.
+    pub const DONE: Self = Ending::Success(Reading::Truth(true));
+
     /// A failure without slots: its class and one sentence.
     pub fn failure(class: &str, message: impl Into<String>) -> Self {
         Ending::Failure { class: class.to_string(), message: message.into(), slots: Vec::new() }

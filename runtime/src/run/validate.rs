@@ -228,7 +228,10 @@ impl Machine {
         for activation in &self.activations {
             activation.task.map_or(Ok(()), |task| self.validate_reference(task))?;
             activation.kept.iter().try_for_each(|(task, _)| self.validate_reference(*task))?;
-            activation.failures().try_for_each(|failure| self.validate_failure(bounds, failure))?;
+            activation.signals().try_for_each(|signal| match signal {
+                Ok(value) => self.validate_value(bounds, value),
+                Err(failure) => self.validate_failure(bounds, failure),
+            })?;
         }
         Ok(())
     }

@@ -35,16 +35,15 @@ pub struct Activation {
     pub phase: Phase,
     /// Who activated it.
     pub task: Option<TaskRef>,
-    /// A signal nobody has taken yet: success, or a failure.
-    pub signal: Option<Result<(), Value>>,
+    /// A signal nobody has taken yet: the value of a success, or a failure.
+    pub signal: Option<Result<Value, Value>>,
     /// Signals that activations before this one left to their tasks, which have not run since.
-    pub kept: Vec<(TaskRef, Result<(), Value>)>,
+    pub kept: Vec<(TaskRef, Result<Value, Value>)>,
 }
 
 impl Activation {
-    /// The failures in the signals nobody has taken yet.
-    pub(crate) fn failures(&self) -> impl Iterator<Item = Value> {
-        let signals = self.signal.iter().chain(self.kept.iter().map(|(_, signal)| signal));
-        signals.filter_map(|signal| signal.err())
+    /// The signals nobody has taken yet.
+    pub(crate) fn signals(&self) -> impl Iterator<Item = Result<Value, Value>> {
+        self.signal.iter().chain(self.kept.iter().map(|(_, signal)| signal)).copied()
     }
 }

@@ -37,7 +37,7 @@ pub enum EventKind {
     Handled,
     /// A behaviour was activated, deactivated, interrupted: `behaviour`, `what`.
     Behaviour,
-    /// A behaviour gave its signal: `behaviour`, `signal`.
+    /// A behaviour gave its signal: `behaviour`, `signal`, and the `value` of a success that has one.
     Signal,
     /// The robot reports: `what` and its details.
     Robot,

@@ -84,6 +84,22 @@ impl Call<'_, '_> {
         }
     }
 
+    /// A reading as a value of plans.
+    pub fn value_of(&mut self, reading: &Reading) -> Value {
+        self.machine.value_of_reading(reading)
+    }
+
+    /// A failure of a class that may not be defined, as what is outside tells it: then it is a `behaviour-failure`.
+    pub fn failure(&mut self, class: String, message: String, slots: Vec<(String, Reading)>) -> Raise {
+        let (class, message) = self.machine.known_class(self.around, class, message);
+        let class = self.machine.symbols.intern(&class);
+        let machine = &mut *self.machine;
+        let slots = slots.into_iter();
+        let slots = slots.map(|(name, reading)| (machine.symbols.intern(&name), machine.value_of_reading(&reading)));
+        let slots = slots.collect();
+        Raise::Again(machine.new_failure(machine.current, class, message, slots))
+    }
+
     /// The argument at a position; `nil` if it was left out.
     pub fn argument(&self, at: usize) -> Value {
         self.arguments.get(at).copied().unwrap_or(Value::Nil)

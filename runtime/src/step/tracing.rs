@@ -364,14 +364,17 @@ impl Machine {
         }
     }
 
-    pub(crate) fn trace_signal(&mut self, around: &Surroundings<'_>, behaviour: u16, signal: &Result<(), Value>) {
+    pub(crate) fn trace_signal(&mut self, around: &Surroundings<'_>, behaviour: u16, signal: &Result<Value, Value>) {
         if self.trace.enabled {
             let name = around.outside.tables().behaviours[usize::from(behaviour)].name.to_string();
-            let text = match signal {
-                Ok(()) => "success".to_string(),
-                Err(failure) => self.show(around.program, *failure),
+            let (text, value) = match signal {
+                Ok(Value::True) => ("success".to_string(), None),
+                Ok(value) => ("success".to_string(), Some(self.show(around.program, *value))),
+                Err(failure) => (self.show(around.program, *failure), None),
             };
-            self.event(String::new(), EventKind::Signal, vec![("behaviour", name), ("signal", text)]);
+            let details = [("behaviour", name), ("signal", text)].into_iter();
+            let details = details.chain(value.map(|value| ("value", value))).collect();
+            self.event(String::new(), EventKind::Signal, details);
         }
     }
 

@@ -84,7 +84,7 @@ impl Errand {
             if !self.underway.is_over() {
                 drive.begin_goal();
             }
-            let ending = self.underway.is_over().then_some(Ending::Success);
+            let ending = self.underway.is_over().then_some(Ending::DONE);
             return ErrandStep { velocity: step.velocity, ending, has_news: true, event: step.event };
         }
         let is_blocked = drive.progress.idle_s() > self.patience_s;

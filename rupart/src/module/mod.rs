@@ -166,7 +166,7 @@ impl Module for Rupart {
         if let Some(DriveEvent::Localized(fix)) = &step.event {
             is_elsewhere |= self.looking.localized(now.model, position, fix);
         }
-        if step.ending.as_ref().is_some_and(|ending| *ending != Ending::Success) {
+        if step.ending.as_ref().is_some_and(|ending| *ending != Ending::DONE) {
             self.note_blocked(now, &Seen::of(now.model, position, Some(now.percept)), &places);
         }
         self.go_on(step, is_elsewhere, tell)

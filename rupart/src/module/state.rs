@@ -100,7 +100,7 @@ impl Rupart {
         let erased = is_elsewhere.then(|| {
             Ending::failure("unexpected-landmark", "a landmark says that the robot is not where its route leads")
         });
-        let has_arrived = step.ending.as_ref().map(|ending| *ending == Ending::Success);
+        let has_arrived = step.ending.as_ref().map(|ending| *ending == Ending::DONE);
         let Some(ending) = step.ending.or(erased) else { return Some(step.velocity) };
         let errand = self.errand.take()?;
         if let Some(has_arrived) = has_arrived {

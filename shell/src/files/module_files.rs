@@ -10,7 +10,7 @@ use rpl_link::recording::{RecordedTurns, Recorder};
 use rpl_link::transcript::{Divergence, Kept, Live, Transcript};
 use rpl_mission::site::Site;
 use rpl_protocol::line::Line;
-use rpl_protocol::module::manifest::Manifest;
+use rpl_protocol::module::manifest::{Manifest, Spokesman};
 use rpl_protocol::module::message::{Greeting, ModuleAnswer, ModuleWords, Pace};
 use rpl_protocol::module::process_modules::{ModuleSource, OpenLine};
 use rpl_robot::office::PlanText;
@@ -85,7 +85,7 @@ pub fn opened(manifests: &[ManifestFile], voices: ModuleVoices<'_>) -> Result<(M
         }
         let open = modules.open(manifest.clone(), folder_of(path), voices)?;
         let waits = manifest.pace == Pace::LockStep || matches!(voices, ModuleVoices::Recording(_));
-        sources.push(ModuleSource { manifest, plans, open, waits });
+        sources.push(ModuleSource::new(manifest, plans, open, waits));
     }
     Ok((modules, sources))
 }
@@ -105,7 +105,7 @@ pub fn within(name: &str, speaker: Arc<Speaker>) -> Result<ModuleSource> {
         Arc::new(Transcript::live(&line_name(&offered.name), live, Kept::Last, None))
     });
     let waits = manifest.pace == Pace::LockStep;
-    Ok(ModuleSource { manifest, plans, open, waits })
+    Ok(ModuleSource::new(manifest, plans, open, waits))
 }
 
 /// A manifest, and the plans that belong to it.
@@ -163,9 +163,16 @@ impl Modules {
     /// Tells what is started for them.
     pub fn tell(&self, console: &mut Console) {
         for module in &self.openers {
-            let Manifest { name, command, .. } = &*module.manifest;
-            let (command, folder) = (shortened(&command.join(" ")), module.folder.shown());
-            console.note(&format!("the module `{name}` is started: `{command}`, in `{folder}`"));
+            let Manifest { name, spokesman, .. } = &*module.manifest;
+            console.note(&match spokesman {
+                Spokesman::Command(command) => {
+                    let (command, folder) = (shortened(&command.join(" ")), module.folder.shown());
+                    format!("the module `{name}` is started: `{command}`, in `{folder}`")
+                }
+                Spokesman::Address(address) => {
+                    format!("the module `{name}` is connected to at `{}`", shortened(address))
+                }
+            });
         }
     }
 

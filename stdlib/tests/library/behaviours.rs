@@ -56,7 +56,7 @@ impl Outside for Digger {
         if *left == 0 {
             self.steps_left = None;
             let rock = || Ending::failure("blocked", "a rock");
-            outbox.endings.push((0, if self.rock { rock() } else { Ending::Success }));
+            outbox.endings.push((0, if self.rock { rock() } else { Ending::DONE }));
         }
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn start(command: &Path, folder: &Path) -> Result<Box<dyn Surface>, S
     Ok(Box::new(Modules { command: command.to_path_buf(), folder: folder.to_path_buf() }))
 }
 
-const HELLO: &str = "{\"type\":\"hello\",\"protocol\":1,\"module\":\"lamp\"}\n";
+const HELLO: &str = "{\"type\":\"hello\",\"protocol\":2,\"module\":\"lamp\"}\n";
 
 /// What the module says at once, and what it does then.
 fn script(dice: &mut Dice) -> (&'static str, Vec<u8>, &'static str) {

@@ -96,11 +96,8 @@ impl Outside for Whim {
         for behaviour in 0..2 {
             if self.active[usize::from(behaviour)] && (drawn >> (8 + 4 * behaviour)) & 3 == 0 {
                 self.active[usize::from(behaviour)] = false;
-                let ending = if drawn & 0x1_0000 == 0 {
-                    Ending::Success
-                } else {
-                    Ending::failure("behaviour-failure", "a whim")
-                };
+                let ending =
+                    if drawn & 0x1_0000 == 0 { Ending::DONE } else { Ending::failure("behaviour-failure", "a whim") };
                 outbox.endings.push((behaviour, ending));
             }
         }

@@ -134,7 +134,7 @@ impl Module for Localizing {
                 self.drive.task = DriveTask::Follow { path_in_odom };
             }
             Intent::Done => {
-                tell.end(0, Ending::Success);
+                tell.end(0, Ending::DONE);
                 return None;
             }
             Intent::Failed => {

@@ -133,15 +133,15 @@ impl Module for Gripping {
         let gripper = &now.percept.gripper;
         let ending = match (task, gripper.motion, &gripper.holding) {
             (_, GripperMotion::Moving, _) => return None,
-            (GripperTask::Grasp(wanted), GripperMotion::Closed, Some(held)) if wanted == held => Ending::Success,
-            (GripperTask::Release, GripperMotion::Open, _) => Ending::Success,
+            (GripperTask::Grasp(wanted), GripperMotion::Closed, Some(held)) if wanted == held => Ending::DONE,
+            (GripperTask::Release, GripperMotion::Open, _) => Ending::DONE,
             (GripperTask::Grasp(wanted), ..) => {
                 Ending::failure("grasp-failure", format!("the gripper does not hold `{wanted}`"))
             }
             (GripperTask::Release, ..) => Ending::failure("grasp-failure", "the gripper did not open"),
         };
         if let Some(GripperTask::Grasp(thing)) = self.task.take() {
-            self.missed.note(&thing, ending == Ending::Success, &mut self.record);
+            self.missed.note(&thing, ending == Ending::DONE, &mut self.record);
         }
         tell.end(0, ending);
         None

@@ -56,7 +56,7 @@ impl Module for LookingAround {
         let velocity = look.step(&now.model.limits, now.percept.odometry_in_odom, now.input().velocity);
         if velocity.is_none() {
             self.look = None;
-            tell.end(0, Ending::Success);
+            tell.end(0, Ending::DONE);
         }
         velocity
     }

@@ -74,7 +74,7 @@ impl Module for MovingByOdometry {
         let moving = self.moving.as_mut()?;
         let ending = match moving.step(&now.model.limits, &now.input(), now.model.limits.speed_limit_mps(now.mode)) {
             MoveStatus::Moving(velocity) => return Some(velocity),
-            MoveStatus::Done => Ending::Success,
+            MoveStatus::Done => Ending::DONE,
             MoveStatus::Blocked(hindrance) => {
                 let here = position.estimate(now.model.map.as_ref()).pose_in_map;
                 blocked(hindrance, moving.left(now.percept.odometry_in_odom), here)

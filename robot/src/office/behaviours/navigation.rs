@@ -288,7 +288,7 @@ impl Module for Navigating {
         let ending = match output.event {
             Some(NavigationEvent::Arrived) => {
                 self.note_arrival(now);
-                Ending::Success
+                Ending::DONE
             }
             Some(NavigationEvent::Unreachable) => self.unreachable(now.model, position),
             Some(NavigationEvent::Blocked) => {

@@ -40,7 +40,7 @@ impl Machine {
 
     fn behaviour_ended(&mut self, around: &mut Surroundings<'_>, behaviour: u16, ending: Ending) {
         let signal = match ending {
-            Ending::Success => Ok(()),
+            Ending::Success(reading) => Ok(self.value_of_reading(&reading)),
             Ending::Failure { class, message, slots } => {
                 let (class, message) = self.known_class(around, class, message);
                 Err(self.behaviour_failure(behaviour, &class, message, slots))
@@ -54,7 +54,12 @@ impl Machine {
 
     /// A class of failures that handlers know: one that the program has not defined is told in the message of
     /// a `behaviour-failure`.
-    fn known_class(&self, around: &Surroundings<'_>, class: String, message: String) -> (String, String) {
+    pub(in crate::step) fn known_class(
+        &self,
+        around: &Surroundings<'_>,
+        class: String,
+        message: String,
+    ) -> (String, String) {
         let symbol = self.symbols.find(&class);
         if symbol.is_some_and(|symbol| around.program.failure_classes.contains_key(&symbol)) {
             return (class, message);

@@ -1,14 +1,18 @@
 //! Readings become values of plans.
 
-use crate::robot::Outbox;
 use crate::robot::reading::Reading;
+use crate::robot::{Ending, Outbox};
 use crate::state::machine::Machine;
 use crate::state::value::Value;
 
 impl Outbox {
     /// Bytes that its readings will take of a plan's memory.
     fn bytes(&self) -> usize {
-        self.fluents.iter().map(|(_, reading)| reading.bytes()).sum()
+        let endings = self.endings.iter().map(|(_, ending)| match ending {
+            Ending::Success(reading) => reading.bytes(),
+            Ending::Failure { slots, .. } => slots.iter().map(|(_, reading)| reading.bytes()).sum(),
+        });
+        self.fluents.iter().map(|(_, reading)| reading.bytes()).chain(endings).sum()
     }
 }
 

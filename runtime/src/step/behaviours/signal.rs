@@ -26,7 +26,7 @@ impl Machine {
     }
 
     /// Keeps a signal until somebody takes it, and wakes who waits for it.
-    pub(super) fn signal(&mut self, around: &mut Surroundings<'_>, behaviour: u16, signal: Result<(), Value>) {
+    pub(super) fn signal(&mut self, around: &mut Surroundings<'_>, behaviour: u16, signal: Result<Value, Value>) {
         self.trace_signal(around, behaviour, &signal);
         let waiting = self
             .living_tasks()
@@ -35,7 +35,7 @@ impl Machine {
         match waiting {
             Some(task) => {
                 let wake = match signal {
-                    Ok(()) => Wake::Value(Value::True),
+                    Ok(value) => Wake::Value(value),
                     Err(failure) => Wake::Raise(failure),
                 };
                 self.wake(task, wake);
@@ -45,21 +45,21 @@ impl Machine {
     }
 
     /// `(await-signal B)`: takes the signal, or waits for it.
-    pub(crate) fn await_signal(&mut self, behaviour: u16) -> Result<bool, Raise> {
+    pub(crate) fn await_signal(&mut self, behaviour: u16) -> Result<Option<Value>, Raise> {
         match self.take_signal(behaviour) {
-            Some(Ok(())) => Ok(true),
+            Some(Ok(value)) => Ok(Some(value)),
             Some(Err(failure)) => Err(Raise::Again(failure)),
             None => {
                 let task = self.current;
                 self.tasks[task].wait(Waiting::Signal(behaviour));
-                Ok(false)
+                Ok(None)
             }
         }
     }
 
     /// The signal that an earlier activation left to a task above or below the current one, or the
     /// signal of the activation of now.
-    fn take_signal(&mut self, behaviour: u16) -> Option<Result<(), Value>> {
+    fn take_signal(&mut self, behaviour: u16) -> Option<Result<Value, Value>> {
         let (current, tasks) = (self.current, &self.tasks);
         let kept = self.activations.get(usize::from(behaviour)).map_or(&[][..], |entry| &entry.kept);
         let own = kept.iter().position(|(owner, _)| {

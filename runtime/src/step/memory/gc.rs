@@ -130,7 +130,7 @@ impl Machine {
             marker.extend(&self.scratch.stack[..self.scratch.top]);
         }
         for activation in &self.activations {
-            activation.failures().for_each(|failure| marker.push(failure));
+            activation.signals().for_each(|signal| marker.push(signal.unwrap_or_else(|failure| failure)));
         }
         // Living tasks keep what they hold, whether a plan can name them or not.
         let mut dead_tasks = Vec::new();

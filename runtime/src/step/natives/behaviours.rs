@@ -53,5 +53,5 @@ fn deactivate(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
 
 fn await_signal(call: &mut Call<'_, '_>) -> Result<Reply, Raise> {
     let behaviour = call.behaviour(0)?;
-    Ok(if call.machine.await_signal(behaviour)? { Reply::Value(Value::True) } else { Reply::Wait })
+    Ok(call.machine.await_signal(behaviour)?.map_or(Reply::Wait, Reply::Value))
 }
