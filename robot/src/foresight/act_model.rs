@@ -106,7 +106,7 @@ mod tests {
         assert!((mean_s - 4.0).abs() < 0.05, "the mean of three corners, not {mean_s}");
         let share = |class| drawn.iter().filter(|(_, failure)| *failure == class).count() as f64 / 20_000.0;
         assert!((share(Some("lamp-failure")) - 0.1).abs() < 0.01 && (share(Some("blocked")) - 0.2).abs() < 0.01);
-        let always = ActModel { takes_s: [4.0; 3], failures: Vec::new() };
+        let always = ActModel { takes_s: [4.0; 3], failures: Vec::new(), sets: Vec::new() };
         assert!(always.is_certain() && always.drawn(&mut stream) == (4.0, None));
     }
 }
