@@ -142,7 +142,7 @@ const WORDS: &[(Kind, &[&str])] = &[
     (Kind::Name, &["kind", "mode", "name", "names", "path", "room", "side", "stem", "words"]),
     (Kind::Place, &["place"]),
     (Kind::Class, &["class"]),
-    (Kind::Function, &["function", "less"]),
+    (Kind::Function, &["function", "less", "predicate"]),
     (Kind::Fluent, &["fluent"]),
     (Kind::Task, &["task"]),
     (Kind::Valve, &["valve"]),

@@ -13,6 +13,7 @@ use crate::site::Site;
 use rpl_lang::code::{Code, CodeKind, GlobalKind, Program};
 use rpl_lang::compile::special_forms;
 use rpl_lang::reader::read;
+use rpl_lang::source::Span;
 use rpl_lang::suggest::suggest;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::symbol::fold_name;
@@ -247,6 +248,11 @@ fn call(name: &str, parameters: &str) -> String {
     if parameters.is_empty() { format!("({name})") } else { format!("({name} {parameters})") }
 }
 
+/// What stands at a place of a text that is read by itself.
+fn text_at(text: &str, span: Span) -> &str {
+    text.get(span.start as usize..span.end as usize).unwrap_or_default()
+}
+
 /// The parameters as the definition writes them: compiled code keeps only their number.
 fn parameters(code: &Code, program: &Program) -> String {
     let (mut symbols, mut tree) = (Symbols::default(), Tree::default());
@@ -254,5 +260,5 @@ fn parameters(code: &Code, program: &Program) -> String {
     let (roots, _) = read(text, code.span.source, &mut symbols, &mut tree);
     let items = roots.first().map_or(&[][..], |&root| tree.items(root));
     let Some(&list) = items.get(2) else { return String::new() };
-    tree.items(list).iter().map(|&item| program.sources.text_of(tree.span(item))).collect::<Vec<_>>().join(" ")
+    tree.items(list).iter().map(|&item| text_at(text, tree.span(item))).collect::<Vec<_>>().join(" ")
 }

@@ -171,18 +171,15 @@ pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
 const FOREIGN_OPTIONS: &[(&[&str], &str)] = &[
     (&["--time", "--duration", "--max-time", "--timeout", "--limit"], "--until"),
     (&["--output", "--out", "--log"], "--trace"),
-    (&["--gui", "--view", "--show", "--visualize", "--web"], "--live"),
+    (&["--gui", "--view", "--show", "--visualize", "--web", "--display"], "--live"),
     (&["--map", "--env", "--environment", "--building"], "--world"),
     (&["--param", "--define", "--arg"], "--set"),
-    (&["--repeat", "--trials", "--count", "--n"], "--runs"),
+    (&["--repeat", "--trials", "--count", "--n", "--seeds"], "--runs"),
     (&["--random-seed", "--rng"], "--seed"),
 ];
 
 /// The option that was probably meant by one that other programs have, if the command has it.
 fn option_meant(error: &clap::Error) -> Option<&'static str> {
-    if error.get(ContextKind::SuggestedArg).is_some() {
-        return None;
-    }
     let typed = error.get(ContextKind::InvalidArg)?.to_string();
     let usage = error.get(ContextKind::Usage)?.to_string();
     let (_, meant) = FOREIGN_OPTIONS.iter().find(|(names, _)| names.contains(&typed.as_str()))?;
@@ -209,6 +206,7 @@ mod tests {
         assert!(told(&["rpl", "run", "p.rpl", "--world", "dept", "--time", "60"]).contains("'--until'"));
         assert!(told(&["rpl", "run", "p.rpl", "--output", "x"]).contains("'--trace'"));
         assert!(!told(&["rpl", "fmt", "p.rpl", "--time", "60"]).contains("--until"), "`rpl fmt` has no time");
+        assert!(told(&["rpl", "run", "p.rpl", "--gui"]).contains("'--live'"), "`--grid` is only near");
         assert!(told(&["rpl", "run", "p.rpl", "--wrld", "dept"]).contains("'--world'"));
     }
 

@@ -8,14 +8,21 @@ use crate::compile::ir::{Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::suggest::suggest;
+use crate::symbol::Symbol;
+use std::collections::BTreeSet;
+
+/// Slots that a misspelt one is compared with, at most.
+const MOST_COMPARED: usize = 1_000;
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    let classes = check.subject.program.failure_classes.values();
+    let slots: BTreeSet<Symbol> = classes.flat_map(|class| class.slots.iter().copied()).collect();
     for root in check.roots() {
-        each_form(root, &mut |ir| look_at(check, ir, found));
+        each_form(root, &mut |ir| look_at(check, ir, &slots, found));
     }
 }
 
-fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
+fn look_at(check: &Check<'_>, ir: &Ir, known_slots: &BTreeSet<Symbol>, found: &mut Vec<Diagnostic>) {
     let Some((name, [first, rest @ ..])) = check.native_call(ir) else { return };
     match name {
         "activate" => parameters(check, first, rest, ir.span, found),
@@ -25,7 +32,7 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             fluents.for_each(|fluent| robot_fluent(check, fluent, ir.span, found));
         }
         "%fail" => slots(check, first, rest, ir.span, found),
-        "failure-slot" => asked_slot(check, rest, found),
+        "failure-slot" => asked_slot(check, rest, known_slots, found),
         _ => {}
     }
 }
@@ -75,18 +82,15 @@ fn slots(check: &Check<'_>, class: &Ir, rest: &[Ir], span: Span, found: &mut Vec
 }
 
 /// A slot that no class of failures has.
-fn asked_slot(check: &Check<'_>, rest: &[Ir], found: &mut Vec<Diagnostic>) {
+fn asked_slot(check: &Check<'_>, rest: &[Ir], known: &BTreeSet<Symbol>, found: &mut Vec<Diagnostic>) {
     let Some(asked) = rest.first() else { return };
-    let Some(symbol) = check.quoted(asked).or_else(|| check.keyword(asked)) else { return };
-    let classes = &check.subject.program.failure_classes;
-    if classes.values().any(|class| class.slots.contains(&symbol)) {
+    let Some(symbol) = check.quoted(asked).or_else(|| check.keyword(asked)).filter(|slot| !known.contains(slot)) else {
         return;
-    }
-    let known: Vec<&str> = classes.values().flat_map(|class| &class.slots).map(|&slot| check.name(slot)).collect();
+    };
     let slot = check.name(symbol);
     let message = format!("no class of failures has a slot `{slot}`: this is always nil");
     let warning = check.warning("unknown-slot", asked.span, message, "unknown slot");
-    found.push(match suggest(slot, known.into_iter()) {
+    found.push(match suggest(slot, known.iter().take(MOST_COMPARED).map(|&slot| check.name(slot))) {
         Some(near) => warning.help(format!("did you mean `{near}`?")),
         None => warning.help("`rpl doc failures` has the classes and their slots"),
     });

@@ -2,6 +2,7 @@
 
 use super::known::Check;
 use super::places::lies_in;
+use super::policies::is_whenever;
 use super::walk::{FormPart, parts};
 use crate::code::{Failures, Quorum, Successes};
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
@@ -25,6 +26,8 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     }
     let unreachable = std::mem::take(&mut flow.unreachable);
     found.extend(unreachable.into_iter().filter_map(|(ended, next)| unreachable_code(check, ended, next)));
+    let beside = std::mem::take(&mut flow.beside);
+    found.extend(beside.into_iter().map(|(all, reaction)| never_ends(check, all, reaction)));
     let covered = std::mem::take(&mut flow.covered);
     found.extend(covered.into_iter().map(|(class, by, clause)| unreachable_clause(check, class, by, clause)));
 }
@@ -47,6 +50,18 @@ fn unreachable_code(check: &Check<'_>, ended: &Ir, next: &Ir) -> Option<Diagnost
         check
             .warning("unreachable-code", next.span, "this is never reached", "never runs")
             .related(reason_place, reason),
+    )
+}
+
+/// A reaction beside work that ends, in a form that waits for both.
+fn never_ends(check: &Check<'_>, all: &Ir, reaction: &Ir) -> Diagnostic {
+    let IrKind::Construct(construct) = &all.kind else { unreachable!("only constructs are noted") };
+    let name = check.name(construct.name);
+    let message = format!("this `{name}` never ends: it waits for all its parts, and `whenever` goes on for ever");
+    let warning = check.warning("never-ends", reaction.span, message, "goes on for ever");
+    let around = super::places::brief(&check.subject.program.sources, all.span);
+    warning.related(around, "waits for all parts").help(
+        "to react for as long as something else is done, write `(with-policy (whenever CONDITION FORM...) FORM...)`",
     )
 }
 
@@ -74,6 +89,8 @@ pub(super) struct Flow<'c, 'a> {
     unreachable: Vec<(&'c Ir, &'c Ir)>,
     /// Clauses no failure comes to: class, what takes it and where, place.
     covered: Vec<(&'a str, (&'a str, Span), Span)>,
+    /// Forms that wait for all their parts, one of which is a reaction and another ends: the form, the reaction.
+    beside: Vec<(&'c Ir, &'c Ir)>,
     /// A function whose calls are taken not to come to an end.
     without: Option<u32>,
 }
@@ -87,6 +104,7 @@ impl<'c, 'a> Flow<'c, 'a> {
             tokens: BTreeMap::new(),
             unreachable: Vec::new(),
             covered: Vec::new(),
+            beside: Vec::new(),
             without: None,
         }
     }
@@ -152,14 +170,24 @@ impl<'c, 'a> Flow<'c, 'a> {
             IrKind::Construct(construct) => {
                 let mut starts = true;
                 construct.evaluated().for_each(|argument| starts &= self.completes(argument));
-                starts & self.children(construct.quorum, &construct.children)
+                let ends = self.ends_of(&construct.children);
+                if construct.policy().is_none()
+                    && construct.quorum.successes == Successes::All
+                    // What has a tag may be ended by its name.
+                    && construct.children.iter().all(|child| child.tag.is_none())
+                    && ends.contains(&true)
+                    && let Some(reaction) = construct.children.iter().find(|child| is_whenever(&child.body.body))
+                {
+                    self.beside.push((ir, &reaction.body.body));
+                }
+                starts & whole_ends(construct.quorum, &ends)
             }
             IrKind::ConstructMap(construct, list) => {
                 // Without elements there is no child.
                 let mut starts = self.completes(list);
                 construct.evaluated().for_each(|argument| starts &= self.completes(argument));
                 starts
-                    & (self.children(construct.quorum, &construct.children)
+                    & (whole_ends(construct.quorum, &self.ends_of(&construct.children))
                         | (construct.quorum.successes == Successes::All))
             }
             IrKind::Call(callee, _) => self.all_parts(ir) & self.call_completes(callee),
@@ -247,17 +275,9 @@ impl<'c, 'a> Flow<'c, 'a> {
         }
     }
 
-    fn children(&mut self, quorum: Quorum, children: &'c [ChildIr]) -> bool {
-        // An evaporated child counts as done, and what has a tag can be evaporated.
-        let ends: Vec<bool> =
-            children.iter().map(|child| self.completes(&child.body.body) | child.tag.is_some()).collect();
-        match quorum.successes {
-            // A failure is an end, too.
-            Successes::All if quorum.failures == Failures::Settled => true,
-            Successes::All => ends.iter().all(|&ends| ends),
-            Successes::Count(_) => ends.iter().any(|&ends| ends),
-            Successes::Last => ends.last().copied().unwrap_or(true),
-        }
+    /// Which children come to an end. An evaporated child counts as done, and what has a tag can be evaporated.
+    fn ends_of(&mut self, children: &'c [ChildIr]) -> Vec<bool> {
+        children.iter().map(|child| self.completes(&child.body.body) | child.tag.is_some()).collect()
     }
 
     fn call_completes(&mut self, callee: &'c Callee) -> bool {
@@ -280,5 +300,16 @@ impl<'c, 'a> Flow<'c, 'a> {
         let completes = Flow::new(self.check).completes(&function.body);
         self.check.ends.borrow_mut().insert(global, Some(completes));
         completes
+    }
+}
+
+/// Whether a form comes to an end, by its children that do.
+fn whole_ends(quorum: Quorum, ends: &[bool]) -> bool {
+    match quorum.successes {
+        // A failure is an end, too.
+        Successes::All if quorum.failures == Failures::Settled => true,
+        Successes::All => ends.iter().all(|&ends| ends),
+        Successes::Count(_) => ends.iter().any(|&ends| ends),
+        Successes::Last => ends.last().copied().unwrap_or(true),
     }
 }

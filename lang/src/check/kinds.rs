@@ -4,12 +4,11 @@ use super::known::Check;
 use super::places::lies_in;
 use super::unknown_places::takes_place;
 use super::walk::{each_form, each_form_within};
-use crate::code::{Atom, CodeKind, Constant, GlobalKind, Parameters, Part};
+use crate::code::{Atom, CodeKind, Constant, GlobalKind, Part};
 use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
-use crate::lexer::Token;
 use crate::source::Span;
 use crate::suggest::suggest;
 use std::collections::BTreeSet;
@@ -190,24 +189,39 @@ pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
 /// The kind of argument a function of the library takes at a position, as far as its parameter says. Of words such as
 /// `pattern` and `names` the library has more than one sense; a number, a function and a fluent are always that.
 pub(super) fn kind_of_parameter(check: &Check<'_>, global: u32, at: usize) -> Kind {
-    let is_by_position = |parameters: &Parameters| at < usize::from(parameters.required + parameters.optional);
-    let known =
-        check.known(global).filter(|known| is_library(check, global) && is_by_position(&known.function.parameters));
-    let word = known.and_then(|_| check.parameter_name(global, at));
-    match word.and_then(Kind::of_parameter).unwrap_or(Kind::Any) {
-        // A number in place of a place is told of as such.
-        _ if known.is_some() && takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new()) => Kind::Any,
-        kind @ (Kind::Number
-        | Kind::Integer
-        | Kind::Seconds
-        | Kind::Angle
-        | Kind::Function
-        | Kind::Fluent
-        | Kind::Task
-        | Kind::Valve
-        | Kind::Behaviour) => kind,
-        _ => Kind::Any,
+    if !is_library(check, global) {
+        return Kind::Any;
     }
+    if let Some(&kind) = check.parameter_kinds.borrow().get(&(global, at)) {
+        return kind;
+    }
+    let kind = stated_kind(check, global, at).unwrap_or(Kind::Any);
+    check.parameter_kinds.borrow_mut().insert((global, at), kind);
+    kind
+}
+
+fn stated_kind(check: &Check<'_>, global: u32, at: usize) -> Option<Kind> {
+    let parameters = &check.known(global)?.function.parameters;
+    if at >= usize::from(parameters.required + parameters.optional)
+        // A number in place of a place is told of as such.
+        || takes_place(check, &Callee::Global(global), at, &mut BTreeSet::new())
+    {
+        return None;
+    }
+    let kind = check.parameter_name(global, at).and_then(Kind::of_parameter)?;
+    let is_plain = matches!(
+        kind,
+        Kind::Number
+            | Kind::Integer
+            | Kind::Seconds
+            | Kind::Angle
+            | Kind::Function
+            | Kind::Fluent
+            | Kind::Task
+            | Kind::Valve
+            | Kind::Behaviour
+    );
+    is_plain.then_some(kind)
 }
 
 fn is_library(check: &Check<'_>, global: u32) -> bool {
@@ -310,13 +324,8 @@ fn written_head(check: &Check<'_>, function: &str, form: Span) -> String {
 
 /// Advice on what stands where a task is taken: a task of the text that has the name for a tag, or nearly.
 fn tag_advice(check: &Check<'_>, ir: &Ir, name: &str) -> String {
-    let tokens = check.tokens(ir.span.source);
-    let text_of = |span: Span| check.subject.program.sources.text_of(span);
-    let tags: Vec<&str> = tokens
-        .windows(2)
-        .filter(|pair| pair[0].0 == Token::Keyword && text_of(pair[0].1) == ":tag" && pair[1].0 == Token::Symbol)
-        .map(|pair| text_of(pair[1].1))
-        .collect();
+    let places = check.tags(ir.span.source);
+    let tags: Vec<&str> = places.iter().map(|&span| check.subject.program.sources.text_of(span)).collect();
     match suggest(name, tags.iter().copied()) {
         _ if tags.contains(&name) => format!("the task with this tag is `{name}`, without the quote"),
         Some(near) => format!("did you mean the task with the tag `{near}`? It stands without the quote"),

@@ -8,6 +8,7 @@ use crate::compile::ir::{Callee, Function, Ir, IrKind, VarId};
 use crate::compile::resolved::Defined;
 use crate::compile::{NativeSignature, Resolved};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::kind::Kind;
 use crate::lexer::{Token, lex};
 use crate::name_places::find_name;
 use crate::source::{SourceId, Span};
@@ -15,6 +16,9 @@ use crate::symbol::{Symbol, Symbols};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+
+/// Tags that a name is compared with.
+const MOST_TAGS: usize = 1_000;
 
 /// A behaviour, as a text can use it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,6 +94,10 @@ pub(super) struct Check<'a> {
     pub(super) ends: RefCell<BTreeMap<u32, Option<bool>>>,
     /// The words of texts, without comments, found out when they are asked for.
     tokens: RefCell<BTreeMap<SourceId, Tokens>>,
+    /// The first tags of texts, found out when they are asked for.
+    tags: RefCell<BTreeMap<SourceId, Rc<Vec<Span>>>>,
+    /// The kinds of the library's parameters, by global and position, found out when they are asked for.
+    pub(super) parameter_kinds: RefCell<BTreeMap<(u32, usize), Kind>>,
 }
 
 impl<'a> Check<'a> {
@@ -114,6 +122,8 @@ impl<'a> Check<'a> {
             effects: RefCell::default(),
             ends: RefCell::default(),
             tokens: RefCell::default(),
+            tags: RefCell::default(),
+            parameter_kinds: RefCell::default(),
         }
     }
 
@@ -261,6 +271,20 @@ impl<'a> Check<'a> {
             Rc::new(tokens)
         });
         tokens.clone()
+    }
+
+    /// Where the first tags of a text stand, as many as a name is compared with.
+    pub(super) fn tags(&self, source: SourceId) -> Rc<Vec<Span>> {
+        let tokens = self.tokens(source);
+        let text_of = |span: Span| self.subject.program.sources.text_of(span);
+        let mut known = self.tags.borrow_mut();
+        let tags = known.entry(source).or_insert_with(|| {
+            let is_tagged = |pair: &&[(Token, Span)]| {
+                pair[0].0 == Token::Keyword && text_of(pair[0].1) == ":tag" && pair[1].0 == Token::Symbol
+            };
+            Rc::new(tokens.windows(2).filter(is_tagged).map(|pair| pair[1].1).take(MOST_TAGS).collect())
+        });
+        tags.clone()
     }
 
     /// A warning at a form: the whole of it if it stands in one line, else its head.

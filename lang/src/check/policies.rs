@@ -1,5 +1,4 @@
-//! Policies that soon end and keep nothing: they only wait, or ask their condition once. Reactions beside work in a
-//! form that waits for both.
+//! Policies that soon end and keep nothing: they only wait, or ask their condition once.
 
 use super::effects::policy_never_waits;
 use super::flow::Flow;
@@ -7,7 +6,6 @@ use super::known::Check;
 use super::places::brief;
 use super::unused::is_idle;
 use super::walk::{each_form, each_form_within};
-use crate::code::Successes;
 use crate::compile::ir::{Callee, ConstructIr, Function, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -21,7 +19,6 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
             let policy = construct.policy().map(|policy| &policy.body);
             let ends = || policy.and_then(|policy| policy_that_ends(check, policy));
             found.extend(in_the_wrong_order(check, construct).or_else(ends));
-            found.extend(policy_beside(check, construct, ir.span));
         });
     }
 }
@@ -39,27 +36,8 @@ fn in_the_wrong_order(check: &Check<'_>, construct: &ConstructIr) -> Option<Diag
     Some(warning.help("the policy comes first: `(with-policy (whenever CONDITION FORM...) FORM...)`"))
 }
 
-/// A reaction beside work that ends, in a form that waits for both.
-fn policy_beside(check: &Check<'_>, construct: &ConstructIr, span: Span) -> Option<Diagnostic> {
-    let waits_for_all =
-        construct.policy().is_none() && construct.quorum.successes == Successes::All && construct.children.len() > 1;
-    let bodies = || construct.children.iter().map(|child| &*child.body.body);
-    let reaction = bodies().find(|body| is_whenever(body)).filter(|_| waits_for_all)?;
-    // What has a tag may be ended by its name.
-    let is_plain = construct.children.iter().all(|child| child.tag.is_none());
-    if !is_plain || !bodies().any(|body| Flow::new(check).completes(body)) {
-        return None;
-    }
-    let name = check.name(construct.name);
-    let message = format!("this `{name}` never ends: it waits for all its parts, and `whenever` goes on for ever");
-    let warning = check.warning("never-ends", reaction.span, message, "goes on for ever");
-    let around = brief(&check.subject.program.sources, span);
-    Some(warning.related(around, "waits for all parts").help(
-        "to react for as long as something else is done, write `(with-policy (whenever CONDITION FORM...) FORM...)`",
-    ))
-}
-
-fn is_whenever(ir: &Ir) -> bool {
+/// Whether a form reacts for ever.
+pub(super) fn is_whenever(ir: &Ir) -> bool {
     match &ir.kind {
         IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
         kind => matches!(kind, IrKind::Whenever { .. }),

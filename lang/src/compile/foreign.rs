@@ -55,6 +55,7 @@ const WORDS: &[(&[&str], &str)] = &[
     (&["%", "modulo"], "`(mod NUMBER DIVISOR)` is the remainder"),
     (&["**", "pow", "^"], "`(expt BASE EXPONENT)` is the power"),
     (&["=="], "`=` compares numbers, `equal` everything"),
+    (&["+=", "-=", "++"], "`(incf NAME)` adds 1, `(incf NAME N)` adds N, `(decf NAME N)` takes N away"),
     (&["!=", "<>"], "`/=` compares numbers; for anything else write `(not (equal A B))`"),
     (&["!"], "`(not VALUE)` is true for nil"),
     (&["//", "--", "/*"], "a comment begins with `;`"),

@@ -24,6 +24,11 @@ impl Compiler<'_> {
         {
             return Some(format!("a keyword and its value are two words: `:{name} {value}`"));
         }
+        if text.ends_with(".rpl") {
+            return Some(format!(
+                "a file is loaded by its name as a text: `(load \"{text}\")`; at the prompt `:load {text}` runs it"
+            ));
+        }
         if let Some(of) = text.strip_suffix(".message").filter(|of| !of.is_empty()) {
             return Some(format!("write `(failure-message {of})`"));
         }
@@ -125,6 +130,9 @@ impl Compiler<'_> {
             }
             _ if form.starts_with("`(if ") => {
                 "`(seq FORM...)` makes one form of several, and `cond` has several branches"
+            }
+            _ if form.starts_with("`(retry)`") && text.starts_with("(retry ") => {
+                "so many times: `(with-retry-counters ((tries 3)) (with-failure-handling ((CLASS (f) (do-retry tries (retry)) (refail))) FORM...))`"
             }
             _ if is_binding => "the bindings stand in a list of their own: `((NAME VALUE) (NAME VALUE))`",
             _ if form.starts_with("`(let ((") => {

@@ -121,6 +121,9 @@ impl Compiler<'_> {
                     format!("`{written}` is a value and cannot be a name; take another one, such as `{written}-1`")
                 }
                 "," | "=" => "parameters are separated by spaces: `(x y)`".to_string(),
+                _ if written.starts_with('(') => {
+                    format!("a parameter with a default stands behind `&optional` or `&key`: `(&optional {written})`")
+                }
                 _ => "the list of parameters stands before the forms; without parameters it is `()`".to_string(),
             };
             self.error("parameter-list", span, "a parameter must be a name", "expected a name").help = Some(help);

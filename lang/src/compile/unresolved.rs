@@ -142,7 +142,10 @@ impl Compiler<'_> {
             let unit = self.unit_apart(span, &text);
             let is_argument = self.is_argument(span);
             let quoted = is_argument.then(|| format!("if the name itself is meant, quote it: `'{text}`"));
-            let suggestion = self.suggestion(&text, unknown.around, is_argument, known, work);
+            // Signs that are near each other have nothing to do with each other.
+            let is_word = text.contains(char::is_alphabetic);
+            let suggestion =
+                is_word.then(|| self.suggestion(&text, unknown.around, is_argument, known, work)).flatten();
             let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
             let elsewhere = self.suggestion_elsewhere(&text, work);
             let spelling = self.spelling_advice(&text);
@@ -247,6 +250,11 @@ impl Compiler<'_> {
         let names = known.keys().take(compared).map(|&class| self.symbols.name(class));
         let near = suggest(&text, names).map(str::to_string);
         let help = match near {
+            _ if self.is_form(name) => {
+                format!(
+                    "`{text}` is no class of failures; its place is before this form: `plan-failure`, or `failure` for all"
+                )
+            }
             _ if is_variable => format!(
                 "`{text}` is a variable here, and `fail` takes the bare name of a class; to pass a failure on, write `(refail)`"
             ),
@@ -255,6 +263,14 @@ impl Compiler<'_> {
         };
         self.error("unknown-failure-class", span, format!("there is no failure class `{text}`"), "unknown class")
             .help = Some(help);
+    }
+
+    /// Whether a name stands for something that is called.
+    fn is_form(&self, name: Symbol) -> bool {
+        let text = self.symbols.name(name);
+        self.program.macros.contains_key(&name)
+            || special_names().any(|(special, _)| special == text)
+            || self.natives.iter().any(|native| native.name == text)
     }
 
     /// Advice on a unit that stands apart from its number.

@@ -131,6 +131,9 @@ fn unclosed(outermost: SimpleSpan, inner: &[SimpleSpan], end: usize, places: &Pl
     for &opener in inner.iter().rev().take(3) {
         error = error.related(places.span(opener), "nor is this one");
     }
+    if let Some(comment) = places.comment_with_closers(outermost.start, end) {
+        error = error.related(comment, "`;` begins a comment, and this `)` stands in it: forms need no separator");
+    }
     let suspect = places.outdented(outermost.start, end).filter(|at| *at != outermost && !inner.contains(at));
     if let Some(suspect) = suspect {
         error = error.related(places.span(suspect), "going by the indentation, a `)` is missing in this list");
@@ -179,6 +182,19 @@ impl<'a> Places<'a> {
         let mut strings = within.filter(|(token, _)| *token == Token::Str).map(|&(_, span)| span);
         let found = strings.find(|span| holds_code(&self.text[span.start as usize..span.end as usize]))?;
         Some(Span { end: found.start + 1, ..found })
+    }
+
+    /// A comment behind something in its line that closes a list, as if `;` ended a statement.
+    fn comment_with_closers(&self, from: usize, to: usize) -> Option<Span> {
+        let first = self.tokens.partition_point(|(_, span)| (span.start as usize) < from);
+        let between = self.tokens[first..].iter().take_while(|(_, span)| (span.start as usize) < to);
+        let mut comments = between.filter(|(token, _)| *token == Token::LineComment).map(|&(_, span)| span);
+        comments.find(|span| {
+            let text = &self.text[span.start as usize..span.end as usize];
+            let line = self.text[..span.start as usize].rsplit(LINE_ENDS).next().unwrap_or_default();
+            let (opened, closed) = (text.matches('(').count(), text.matches(')').count());
+            !line.trim().is_empty() && closed > opened
+        })
     }
 
     /// What stands in the same line between a quote and the one before it: `hello` of `'hello'`.

@@ -182,7 +182,13 @@ impl Manifest {
     /// All faults of the text at once: what is not TOML, unknown or missing keys, values of the wrong
     /// kind, names that are none or given twice.
     pub fn parse(text: &str, file: &str) -> Result<Self, FileFaults> {
-        let mut reader = Reader { file, text, kind: "manifest", top_keys: &KEYS, findings: Findings::default() };
+        let mut reader = Reader {
+            file,
+            text,
+            kind: "manifest",
+            keys_above: &["command", "pace", "wants", "valves", "plans"],
+            findings: Findings::default(),
+        };
         let (document, errors) = DeTable::parse_recoverable(text);
         reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };

@@ -76,8 +76,13 @@ impl RobotDescription {
     /// All faults of the file at once: text that is not TOML, unknown or missing keys, values of the wrong
     /// kind or size, speeds that the motors do not reach, a robot that sees nothing.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, FileFaults> {
-        let mut reader =
-            Reader { kind: "robot", top_keys: &ROBOT_KEYS, file: file_name, text, findings: Findings::default() };
+        let mut reader = Reader {
+            kind: "robot",
+            keys_above: &["step", "radius", "bumper"],
+            file: file_name,
+            text,
+            findings: Findings::default(),
+        };
         let (document, errors) = DeTable::parse_recoverable(text);
         reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };

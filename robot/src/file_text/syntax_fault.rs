@@ -16,7 +16,7 @@ pub fn syntax_fault(text: &str, span: &Range<usize>, message: &str) -> Option<(S
         let name = line.trim_matches(['[', ']']);
         return Some((
             format!("`[{name}]` stands here for the second time"),
-            format!("write `[[{name}]]`, with two brackets, above each"),
+            format!("write it once, with all its keys; what there may be several of is `[[{name}]]` each time"),
         ));
     }
     if let Some(colon) = line.find(':').filter(|&colon| line.find('=').is_none_or(|equals| colon < equals)) {

@@ -27,8 +27,8 @@ pub type TomlValue<'i> = Spanned<DeValue<'i>>;
 pub struct Reader<'i> {
     /// What the file describes: "world".
     pub kind: &'static str,
-    /// The keys that stand above its tables, and its tables.
-    pub top_keys: &'static [&'static str],
+    /// The keys that a file of this kind has above its tables, and that no table has.
+    pub keys_above: &'static [&'static str],
     /// The file, for messages.
     pub file: &'i str,
     /// What is read.
@@ -116,7 +116,7 @@ impl<'i> Reader<'i> {
                 None => format!("unknown key `{name}`"),
             };
             let owner = self.owner(table, "a");
-            let help = match self.top_keys.contains(&name) && !is_of_tables {
+            let help = match self.keys_above.contains(&name) {
                 true => format!("`{name}` belongs to the {} as a whole: write it above the first table", self.kind),
                 false => format!("the keys of {owner} are {}", known.join(", ")),
             };

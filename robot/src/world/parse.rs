@@ -51,8 +51,13 @@ impl World {
         file_name: &str,
         load_map: impl FnOnce(&str) -> Result<OccupancyGrid, String>,
     ) -> Result<World, FileFaults> {
-        let mut reader =
-            Reader { kind: "world", top_keys: &WORLD_KEYS, file: file_name, text, findings: Findings::default() };
+        let mut reader = Reader {
+            kind: "world",
+            keys_above: &["map", "start", "people"],
+            file: file_name,
+            text,
+            findings: Findings::default(),
+        };
         let (document, errors) = DeTable::parse_recoverable(text);
         reader.syntax_errors(&errors);
         let top = TomlTable { values: document.get_ref(), span: 0..0, header: String::new() };
