@@ -27,7 +27,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("text-before-hello", "said something that is no JSON: expected value at line 1 column 1: Loading weights..."),
     (
         "wrong-version",
-        "speaks version 1 of the protocol, and rpl speaks version 2; a module in Python needs `rpl_module` of this rpl",
+        "speaks version 1 of the protocol, and rpl speaks version 2; a module in Python needs `rpl_module` of this rpl, and any other one says `\"protocol\":2` and answers `query`, if its manifest has a [[query]]",
     ),
     ("wrong-name", "calls itself `lamp`, which is not its name in the manifest"),
     ("floods-before-hello", "said a wrong message: missing field `type` at line 1 column 2: {}"),

@@ -18,7 +18,7 @@ use rpl_runtime::robot::Ending;
 use rpl_runtime::robot::reading::Reading;
 use rpl_runtime::state::machine::Machine;
 use rpl_runtime::state::value::Value;
-use rpl_runtime::step::native::Native;
+use rpl_runtime::step::native::{Call, Native, Reply};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub struct ModuleSource {
 impl ModuleSource {
     /// A module with this manifest.
     pub fn new(manifest: Arc<Manifest>, plans: Option<PlanText>, open: Arc<OpenLine>, waits: bool) -> Self {
-        let queries = queries::natives(&manifest);
+        let queries = queries::natives(&manifest, ask);
         Self { manifest, plans, open, waits, queries }
     }
 
@@ -114,6 +114,18 @@ impl ModuleSources {
         let places: Vec<String> =
             manifests.filter(|known| known.name == module).map(|known| known.place(name)).collect();
         if places.is_empty() { String::new() } else { format!(" ({})", places.join(", ")) }
+    }
+}
+
+/// A query that a plan calls.
+fn ask(call: &mut Call<'_, '_>, module: &str) -> Result<Reply, Raise> {
+    let query = call.native.name;
+    let arguments = queries::said(call)?;
+    let time_us = call.machine.now_us;
+    match call.part::<ProcessModules>()?.ask(module, query, arguments, time_us) {
+        Ok(reading) => Ok(Reply::Value(call.value_of(&reading))),
+        Err(Ending::Failure { class, message, slots }) => Err(call.failure(class, message, slots)),
+        Err(Ending::Success(_)) => unreachable!("a success is no failure"),
     }
 }
 

@@ -2,15 +2,16 @@
 
 use super::manifest::{Manifest, QuerySpec};
 use super::message::MOST_BYTES;
-use super::process_modules::ProcessModules;
 use crate::value::Spoken;
-use rpl_runtime::robot::Ending;
 use rpl_runtime::state::failure::Raise;
 use rpl_runtime::step::native::{Call, Effect, Native, NativeCode, Reply};
 use std::sync::Arc;
 
+/// What asks a module of a name, in a call of a plan.
+pub(super) type Ask = fn(&mut Call<'_, '_>, &str) -> Result<Reply, Raise>;
+
 /// The queries of a manifest, as functions of plans.
-pub(super) fn natives(manifest: &Manifest) -> Vec<Native> {
+pub(super) fn natives(manifest: &Manifest, ask: Ask) -> Vec<Native> {
     let native = |query: &QuerySpec| {
         let module = manifest.name.clone();
         Native {
@@ -29,20 +30,11 @@ fn kept(text: &str) -> &'static str {
     Box::leak(text.into())
 }
 
-fn ask(call: &mut Call<'_, '_>, module: &str) -> Result<Reply, Raise> {
-    let query = call.native.name;
-    let arguments = said(call)?;
-    let time_us = call.machine.now_us;
-    match call.part::<ProcessModules>()?.ask(module, query, arguments, time_us) {
-        Ok(reading) => Ok(Reply::Value(call.value_of(&reading))),
-        Err(Ending::Failure { class, message, slots }) => Err(call.failure(class, message, slots)),
-        Err(Ending::Success(_)) => unreachable!("a success is no failure"),
-    }
-}
-
+/// The arguments of a call as they are said.
+///
 /// # Errors
 /// An argument cannot be said, or they are too long together.
-fn said(call: &Call<'_, '_>) -> Result<Vec<Spoken>, Raise> {
+pub(super) fn said(call: &Call<'_, '_>) -> Result<Vec<Spoken>, Raise> {
     let mut said = Vec::new();
     for (at, &value) in call.arguments.iter().enumerate() {
         said.push(Spoken::of(call.machine, value).map_err(|reason| {
