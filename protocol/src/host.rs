@@ -4,6 +4,7 @@
 //! the mission. From then on the host says what the robot perceives once a period, and the mission what the
 //! robot is to do as soon as it has decided. Either says `bye` before it goes, with a reason if there is one.
 
+use crate::json_fault::unreadable;
 use crate::token::Token;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -510,24 +511,12 @@ fn ranges<'a>(name: &str, readings: &'a [f32], expected: usize) -> Result<&'a [f
     }
 }
 
-/// A message of one line. JSON has no numbers that are not finite: where a program has written one all the same, it is
-/// named.
+/// A message of one line.
 ///
 /// # Errors
 /// One clause that says what is wrong with it.
 pub fn read<'t, M: Deserialize<'t>>(line: &'t str) -> Result<M, String> {
-    serde_json::from_str(line).map_err(|error| {
-        let at = error.column().saturating_sub(1);
-        let behind = line.get(at.saturating_sub(1)..).unwrap_or_default();
-        let found = ["NaN", "-Infinity", "Infinity"].into_iter().find(|word| behind.starts_with(word));
-        match found {
-            Some(word) => clause(&format!(
-                "`{word}`, at column {}, which is no number of JSON; a reading without an echo is the range of its sensor",
-                error.column()
-            )),
-            None => clause(&error.to_string().replace(" at line 1 column ", ", at column ")),
-        }
-    })
+    serde_json::from_str(line).map_err(|error| unreadable(line, &error))
 }
 
 /// A message as a line, with its end.

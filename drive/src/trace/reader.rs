@@ -72,7 +72,7 @@ impl TraceReader {
         };
         let bytes = reader.next_bytes().map_err(|error| anyhow!("cannot read the trace `{name}`: {error}"))?;
         if bytes.is_empty() {
-            bail!("the trace `{name}` is empty; `rpl run FILE --trace {name}` writes one");
+            bail!("the trace `{name}` is empty; `rpl run FILE --trace run.jsonl` writes one");
         }
         let text = String::from_utf8_lossy(&bytes);
         match (serde_json::from_str::<Header>(&text), told_in(text.trim_end())) {
@@ -82,7 +82,7 @@ impl TraceReader {
             }
             (_, Ok(Told::Pose(seen))) => reader.poses.push(seen),
             (_, Err(reason)) => {
-                bail!("`{name}` is no trace: line 1 {reason}; `rpl run FILE --trace {name}` writes one")
+                bail!("`{name}` is no trace: line 1 {reason}; `rpl run FILE --trace run.jsonl` writes one")
             }
         }
         Ok(reader)

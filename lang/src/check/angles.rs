@@ -1,6 +1,5 @@
 //! Angles beyond a full turn, written without a unit: `(cos 60)`, where `60deg` is meant.
 
-use super::kinds::kind_of;
 use super::known::Check;
 use super::places::lies_in;
 use super::walk::each_form;
@@ -26,7 +25,7 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             match (signature.name.as_str(), arguments.as_slice()) {
                 ("activate", [behaviour, pairs @ ..]) => (behaviour_name(check, behaviour), angles_among(check, pairs)),
                 (name, _) => {
-                    let is_angle = |at| kind_of(signature, at) == Kind::Angle;
+                    let is_angle = |at| signature.kind(at) == Kind::Angle;
                     (name, arguments.iter().enumerate().filter(|&(at, _)| is_angle(at)).map(|(_, ir)| ir).collect())
                 }
             }

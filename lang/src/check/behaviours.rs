@@ -1,6 +1,7 @@
 //! What belongs to a behaviour, a fluent of the robot or a class of failure.
 
 use super::calls::unknown_keywords;
+use super::kinds::{Found, found_in};
 use super::known::Check;
 use super::walk::each_form;
 use crate::code::GlobalKind;
@@ -66,7 +67,15 @@ fn slots(check: &Check<'_>, class: &Ir, rest: &[Ir], span: Span, found: &mut Vec
     }
     let known: Vec<&str> = program.failure_slots(class).into_iter().map(|slot| check.name(slot)).collect();
     for pair in rest.get(1..).unwrap_or_default().chunks(2) {
-        let Some(slot) = check.keyword(&pair[0]).map(|slot| check.name(slot)) else { return };
+        let Some(slot) = check.keyword(&pair[0]).map(|slot| check.name(slot)) else {
+            if found_in(check, &pair[0]) == Some(Found::Text) {
+                let shown = check.shown(&pair[0]);
+                let message = format!("a slot of a failure is a keyword with a value, and `{shown}` is a string");
+                let warning = check.warning("wrong-kind", pair[0].span, message, "not a slot");
+                found.push(warning.help("the message comes before the slots: `(fail CLASS \"message\" :slot VALUE)`"));
+            }
+            return;
+        };
         if known.contains(&slot) {
             continue;
         }

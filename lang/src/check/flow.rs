@@ -2,7 +2,6 @@
 
 use super::known::Check;
 use super::places::lies_in;
-use super::policies::is_whenever;
 use super::walk::{FormPart, parts};
 use crate::code::{Failures, Quorum, Successes};
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
@@ -311,5 +310,13 @@ fn whole_ends(quorum: Quorum, ends: &[bool]) -> bool {
         Successes::All => ends.iter().all(|&ends| ends),
         Successes::Count(_) => ends.iter().any(|&ends| ends),
         Successes::Last => ends.last().copied().unwrap_or(true),
+    }
+}
+
+/// Whether a form reacts for ever.
+pub(super) fn is_whenever(ir: &Ir) -> bool {
+    match &ir.kind {
+        IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
+        kind => matches!(kind, IrKind::Whenever { .. }),
     }
 }

@@ -1,6 +1,6 @@
 //! Fluents taken for their values, and what is asked of a task's state.
 
-use super::kinds::{kind_of, kind_of_parameter};
+use super::kinds::kind_of_parameter;
 use super::known::Check;
 use super::walk::each_form;
 use crate::code::GlobalKind;
@@ -34,7 +34,7 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
         IrKind::Call(Callee::Native(native), arguments) => {
             let name = check.native_call(ir).map_or("", |(name, _)| name);
             let signature = &check.subject.natives[usize::from(*native)];
-            let wants_number = |at| is_number(kind_of(signature, at));
+            let wants_number = |at| is_number(signature.kind(at));
             let numbers = arguments.iter().enumerate().filter(|&(at, _)| wants_number(at));
             computed_with(check, ir, numbers.map(|(_, argument)| argument), found);
             if let ("equal", [left, right]) = (name, arguments.as_slice()) {

@@ -5,7 +5,6 @@ use super::places::lies_in;
 use super::unknown_places::takes_place;
 use super::walk::{each_form, each_form_within};
 use crate::code::{Atom, CodeKind, Constant, GlobalKind, Part};
-use crate::compile::NativeSignature;
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
@@ -173,17 +172,12 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
                 // What may be left out may often be nil.
                 let is_left_out = at >= usize::from(signature.min) && matches!(argument.kind, IrKind::Nil);
                 if !is_left_out {
-                    look(&form, kind_of(signature, at), argument);
+                    look(&form, signature.kind(at), argument);
                 }
             }
         }
         _ => {}
     }
-}
-
-/// The kind of argument a native function takes at a position.
-pub(super) fn kind_of(signature: &NativeSignature, at: usize) -> Kind {
-    signature.kinds.get(at).copied().or(signature.rest).unwrap_or(Kind::Any)
 }
 
 /// The kind of argument a function of the library takes at a position, as far as its parameter says. Of words such as

@@ -1,7 +1,7 @@
 //! Policies that soon end and keep nothing: they only wait, or ask their condition once.
 
 use super::effects::policy_never_waits;
-use super::flow::Flow;
+use super::flow::{Flow, is_whenever};
 use super::known::Check;
 use super::places::brief;
 use super::unused::is_idle;
@@ -34,14 +34,6 @@ fn in_the_wrong_order(check: &Check<'_>, construct: &ConstructIr) -> Option<Diag
     let warning =
         check.warning("policy-ends", policy.span, "this policy ends, and the body never does", "keeps nothing");
     Some(warning.help("the policy comes first: `(with-policy (whenever CONDITION FORM...) FORM...)`"))
-}
-
-/// Whether a form reacts for ever.
-pub(super) fn is_whenever(ir: &Ir) -> bool {
-    match &ir.kind {
-        IrKind::Seq(items) => items.last().is_some_and(|last| matches!(last.kind, IrKind::Whenever { .. })),
-        kind => matches!(kind, IrKind::Whenever { .. }),
-    }
 }
 
 fn policy_that_ends(check: &Check<'_>, policy: &Function) -> Option<Diagnostic> {

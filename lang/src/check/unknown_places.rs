@@ -1,6 +1,5 @@
 //! Places that the world has not, where a text names one: `(go-to 'nowhere)`.
 
-use super::kinds::kind_of;
 use super::known::{Check, KnownPlaces};
 use super::walk::each_form;
 use crate::compile::ir::{Callee, Ir, IrKind, VarId};
@@ -61,7 +60,7 @@ fn other_order(check: &Check<'_>, known: &KnownPlaces, callee: &Callee, argument
 /// of the library that hands it on to one.
 pub(super) fn takes_place(check: &Check<'_>, callee: &Callee, at: usize, seen: &mut BTreeSet<(u32, usize)>) -> bool {
     match callee {
-        Callee::Native(native) => kind_of(&check.subject.natives[usize::from(*native)], at) == Kind::Place,
+        Callee::Native(native) => check.subject.natives[usize::from(*native)].kind(at) == Kind::Place,
         Callee::Global(global) => {
             let is_library = *global < check.subject.program.library_globals;
             let known = check.known(*global).filter(|_| is_library && seen.insert((*global, at)));

@@ -28,6 +28,13 @@ pub struct NativeSignature {
     pub calls: bool,
 }
 
+impl NativeSignature {
+    /// The kind of argument it takes at a position.
+    pub fn kind(&self, at: usize) -> Kind {
+        self.kinds.get(at).copied().or(self.rest).unwrap_or(Kind::Any)
+    }
+}
+
 /// "2 arguments", "1 to 2 arguments", as errors say it.
 pub(super) fn describe_arity(min: u8, max: Option<u8>) -> String {
     let plural = |count: u8| if count == 1 { "1 argument".to_string() } else { format!("{count} arguments") };

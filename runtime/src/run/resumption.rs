@@ -26,8 +26,12 @@ impl<O: Outside> System<O> {
             return false;
         }
         let answers = std::mem::take(&mut outbox.answers);
+        let interrupted = std::mem::take(&mut outbox.interrupted);
         self.with_machine(|machine, around| {
             machine.apply_outbox(around, outbox);
+            for behaviour in interrupted {
+                machine.take_goals(around, behaviour, "what it was moving was started anew");
+            }
             machine.take_answers(answers);
             machine.start_resumptions(around);
         });

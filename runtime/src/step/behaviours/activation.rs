@@ -26,7 +26,7 @@ impl Machine {
             self.behaviour_ended(around, behaviour, ending);
         }
         for behaviour in outbox.interrupted {
-            self.take_goals(around, behaviour);
+            self.take_goals(around, behaviour, "it has lost its goals");
         }
     }
 
@@ -64,7 +64,7 @@ impl Machine {
         if symbol.is_some_and(|symbol| around.program.failure_classes.contains_key(&symbol)) {
             return (class, message);
         }
-        ("behaviour-failure".to_string(), format!("{class}: {message}"))
+        ("behaviour-failure".to_string(), format!("{message} (there is no failure class `{class}`)"))
     }
 
     /// `(activate B :key V...)` by the current task.
@@ -177,16 +177,16 @@ impl Machine {
     pub fn remove_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
         let owner = self.activation(behaviour).task.and_then(|owner| self.tasks.find(owner));
         if owner.is_some_and(|owner| self.is_within(owner, self.current)) {
-            self.take_goals(around, behaviour);
+            self.take_goals(around, behaviour, "it has lost its goals");
         }
     }
 
     /// A behaviour that is at work loses its goals, whoever activated it.
-    fn take_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16) {
+    pub(crate) fn take_goals(&mut self, around: &mut Surroundings<'_>, behaviour: u16, why: &str) {
         let entry = self.activation(behaviour);
         let (phase, task) = (entry.phase, entry.task);
         if phase == Phase::Active {
-            self.interrupt(around, behaviour, "it has lost its goals");
+            self.interrupt(around, behaviour, why);
             self.release_activation(around, behaviour, task);
         }
     }
