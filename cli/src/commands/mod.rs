@@ -33,6 +33,7 @@ use anyhow::Result;
 use clap::error::{ContextKind, ContextValue};
 use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 use rpl_lang::suggest::suggest;
+use rpl_lang::visible::shortened;
 use rpl_shell::arguments::site::SiteArguments;
 use rpl_shell::status::Status;
 use rpl_shell::terminal::console::Console;
@@ -146,7 +147,7 @@ pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
     {
         let said = |kind| error.get(kind).map(ContextValue::to_string).unwrap_or_default();
         let (option, value) = (said(ContextKind::InvalidArg), said(ContextKind::InvalidValue));
-        let message = format!("`{value}` is no value of `{option}`: write a whole number, such as 7\n");
+        let message = format!("`{}` is no value of `{option}`: write a whole number, such as 7\n", shortened(&value));
         return clap::Error::raw(clap::error::ErrorKind::ValueValidation, message);
     }
     let is_known = error.get(ContextKind::SuggestedSubcommand).is_some();

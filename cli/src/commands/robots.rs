@@ -59,7 +59,7 @@ fn describe(robot: &RobotDescription) -> String {
     tell(
         "laser",
         laser.map_or("none".into(), |laser| {
-            format!("{} readings, {}° apart, {} m", laser.readings, laser.resolution_deg, laser.range_m)
+            format!("{} readings, {}° apart, {} m", laser.readings, laser.resolution_deg, laser.range_m as f32)
         }),
     );
     tell("bumper", if robot.bumper { "yes".into() } else { "none".into() });
@@ -85,7 +85,7 @@ fn driving(driving: &Driving) -> String {
 
 fn sonars(sonar: &Sonar) -> String {
     let cone_deg = sonar.cone_rad.to_degrees();
-    let reach = format!("cones of {cone_deg:.0}°, {} m", sonar.range_m);
+    let reach = format!("cones of {cone_deg:.0}°, {} m", sonar.range_m as f32);
     match &sonar.layout {
         SonarLayout::Ring(count) => format!("{count} in a ring, {reach}"),
         SonarLayout::Mounts(mounts) => {

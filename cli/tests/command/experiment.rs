@@ -139,7 +139,7 @@ fn an_experiment_file_has_variants_with_plans_of_their_own() {
     assert_eq!((&paired["name"], &paired["against"]), (&"fast".into(), &"slow".into()));
     assert_eq!((&paired["measures"][0]["name"], &paired["measures"][0]["mean"]), (&"time [s]".into(), &(-8.0).into()));
     let figures = folder.join("figures").to_string_lossy().into_owned();
-    assert_eq!(run(&["experiment", &file, "--figures", &figures]).status, 0);
+    assert_eq!(run(&["experiment", &file, "--results", &figures]).status, 0);
     let chart = std::fs::read_to_string(folder.join("figures/differences.svg")).expect("it is drawn");
     assert!(chart.contains("Difference from `slow`") && chart.contains("time [s]"), "{chart}");
     let many: String = (0..100_000).map(|at| format!("[[variant]]\nname = \"{at}\"\n")).collect();

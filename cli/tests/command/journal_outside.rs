@@ -172,8 +172,9 @@ fn a_module_is_started_anew_and_its_behaviours_are_interrupted_alone() {
 (defvar times 100000)
 (pursue
   (loop (print (list 'at (now))) (wait-time 1))
-  (with-failure-handling ((interrupted (f) (print 'dark) (setq times 2) (retry)))
-    (blink-lamp times)))
+  (with-valve lamp
+    (with-failure-handling ((interrupted (f) (print 'dark) (setq times 2) (retry)))
+      (run-behaviour blink :times times))))
 (print (list 'blinked times))
 (go-to 'corner)
 (print (at-destination? 'corner))";

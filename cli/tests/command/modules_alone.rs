@@ -117,7 +117,8 @@ fn a_project_with_modules_needs_no_world() {
 
 #[test]
 fn a_run_goes_on_from_its_journal_and_is_repeated_from_its_recording() {
-    let plan = "(with-failure-handling ((interrupted () (print 'again) (retry))) (blink-lamp 2))";
+    let plan = "(with-valve lamp
+                  (with-failure-handling ((interrupted () (print 'again) (retry))) (run-behaviour blink :times 2)))";
     let folder = folder_of_lamp_alone("alone-journal", plan);
     let run = ["run", "plan.rpl", "--module", "lamp.toml"];
     let Ended { errors, status, .. } =

@@ -75,7 +75,7 @@ mod tests {
             ("; hi\n", "begins with `#`", "write `# …`"),
             ("open = True\n", "small letters", "write `true`"),
             ("size = 1/4\n", "not as a fraction", "write `0.25`"),
-            ("[wall]\na = 1\n[wall]\nb = 1\n", "for the second time", "write `[[wall]]`"),
+            ("[wall]\na = 1\n[wall]\nb = 1\n", "for the second time", "`[[wall]]` each time"),
         ] {
             let errors = DeTable::parse_recoverable(text).1;
             let told = syntax_fault(text, &errors[0].span().expect("it has a place"), errors[0].message());

@@ -67,6 +67,7 @@ const USES: &[&str] = &[
     "(execute-plan (library:try-once-more (make-projection :failures '((1.0 failure \"\" \"\"))) '(list again)))",
     "(let ((a (create-fluent 1)) (b (create-fluent 2))) (list (setf-together (value a) (value b) (value b) (value a)) (value a) (value b)))",
     "(par (list (dequeue trays) (dequeue trays :if (lambda (tray) (stringp tray)))) (seq (enqueue trays 1) (enqueue trays \"two\") (value (queue-length trays))))",
+    "(let ((n 0)) (list (persist (> n 2) (plan-failure) (setq n (+ n 1)) (when (eq n 1) (fail \"a\"))) n))",
     "(with-parts-handled ((plan-failure (parts) (length parts))) (try-all (fail \"a\") (fail \"b\")))",
     "(with-foresight (:rules (library:last-step-first library:side-by-side) :horizon 60 :runs 2 :when (> light 3))
        (:tag one (shelve 'cup))
