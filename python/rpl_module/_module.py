@@ -98,6 +98,7 @@ class Module:
         # A behaviour of a live module with `run` says something beside the loop.
         self._speaking = threading.RLock()
         self._each_tick: Optional[Callable[[Tick], None]] = None
+        self._has_failed_tick = False
         self._active: Dict[int, Behaviour] = {}
         self._fluents: Dict[str, Any] = {}
         self._said: Optional[List[Dict[str, Any]]] = None
@@ -236,8 +237,11 @@ class Module:
             try:
                 self._each_tick(tick)
             except Exception:
-                # The behaviours go on: what the function would have set stays as it was.
-                traceback.print_exc()
+                # The behaviours go on: what the function would have set stays as it was. It is told once, for it may
+                # be so in every step.
+                if not self._has_failed_tick:
+                    traceback.print_exc()
+                self._has_failed_tick = True
         drive = None
         for activation, behaviour in list(self._active.items()):
             behaviour._drive = None

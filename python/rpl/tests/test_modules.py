@@ -43,18 +43,15 @@ def test_a_failure_of_a_behaviour_reaches_the_plan():
     assert failed.value.message == "a lamp cannot blink 0 times"
 
 
-def test_an_exception_outside_of_behaviours_loses_the_module(capsys):
-    module = Module("lamp")
+def test_an_exception_outside_of_behaviours_is_shown_once_and_the_module_goes_on(capsys):
+    module = lamp()
 
     @module.each_tick
     def sense(tick):
         raise LookupError("no bulb")
 
-    with pytest.raises(rpl.PlanFailed) as failed:
-        mission("(blink-lamp 1)", module).run()
-    assert failed.value.failure_class == "module-failure"
-    assert "raised LookupError: no bulb" in failed.value.message
-    assert "LookupError: no bulb" in capsys.readouterr().err
+    mission("(blink-lamp 1)", module).run()
+    assert capsys.readouterr().err.count("LookupError: no bulb") == 1
 
 
 def test_whoever_interrupts_a_behaviour_interrupts_the_mission():
