@@ -50,6 +50,8 @@ pub struct Course {
     astray: u32,
     /// What sonars, laser, camera and its images have told, of those that are on.
     sensors: [Option<Silence>; 4],
+    /// Which of them have told anything since the host began.
+    have_told: [bool; 4],
     /// What has failed.
     failed: FailedSensors,
 }
@@ -63,8 +65,6 @@ struct Silence {
     on_us: u64,
     /// For how long it has been on by what the host says has taken effect, and told nothing.
     silent_us: u64,
-    /// Whether it has ever told anything since it is on.
-    has_told: bool,
 }
 
 /// What became of a percept.
@@ -88,6 +88,7 @@ impl Course {
             credit: [f64::MAX; 2],
             astray: 0,
             sensors: [None; 4],
+            have_told: [false; 4],
             failed: FailedSensors::default(),
         }
     }
@@ -195,11 +196,11 @@ impl Course {
         self.host_odom_in_odom.compose(self.robot_in_host_odom)
     }
 
-    /// Whether a sensor that shows what is in the way is on and has told nothing yet: a robot that sees nothing of what
-    /// it is to see does not drive.
+    /// Whether a sensor that shows what is in the way is on and has told nothing yet: a robot that has never seen what
+    /// it is to see does not drive. Sonars that are switched off and on again may be late.
     pub fn is_blind(&self) -> bool {
-        let [sonars, laser, ..] = self.sensors;
-        [sonars, laser].into_iter().flatten().any(|sensor| sensor.silent_us > 0 && !sensor.has_told)
+        let mut of_ranges = self.sensors.iter().zip(self.have_told).take(2);
+        of_ranges.any(|(sensor, has_told)| sensor.is_some_and(|sensor| sensor.silent_us > 0) && !has_told)
     }
 
     /// What is on and has not failed tells something, or has not been silent for long. Commands that have not taken
@@ -231,7 +232,8 @@ impl Course {
             ("camera", sees, percept.camera.is_some(), 0),
             ("camera.image", sees, has_image, image_us),
         ];
-        for ((name, is_on, tells, its_us), sensor) in sensors.into_iter().zip(&mut self.sensors) {
+        let kept = self.sensors.iter_mut().zip(&mut self.have_told);
+        for ((name, is_on, tells, its_us), (sensor, has_told)) in sensors.into_iter().zip(kept) {
             if !is_on {
                 *sensor = None;
                 continue;
@@ -243,7 +245,7 @@ impl Course {
                 true => silence.silent_us.saturating_add(robot.step_us),
                 false => 0,
             };
-            silence.has_told |= tells;
+            *has_told |= tells;
             if silence.silent_us > MOST_SILENT_US.max(its_us) {
                 return Err(format!(
                     "`{name}` has been missing for {:.1} s, and the robot `{}` has it: a sensor that has failed is named \
@@ -464,6 +466,11 @@ mod tests {
         assert!(!heard.course.is_blind());
         heard.take(&silent(4)).expect("a scan may be missing");
         assert!(!heard.course.is_blind(), "what is in the way is known");
+        heard.commands.sonars_on = false;
+        heard.take(&silent(5)).expect("they are off");
+        heard.commands.sonars_on = true;
+        heard.take(&silent(6)).expect("they may be late");
+        assert!(!heard.course.is_blind(), "they have told something before");
     }
 
     #[test]

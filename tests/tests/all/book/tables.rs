@@ -8,6 +8,7 @@ use rpl_lang::source::SourceId;
 use rpl_lang::symbol::Symbols;
 use rpl_lang::syntax::{NodeId, NodeKind, Tree};
 use rpl_mission::modules;
+use rpl_mission::reference::Reference;
 use rpl_robot::office::{self, PLANS, RULES};
 use rpl_runtime::robot::FluentSpec;
 use rpl_runtime::step::native::Native;
@@ -78,11 +79,24 @@ fn definitions(library: &str) -> Vec<Vec<String>> {
         let [head, name, parameters, doc, ..] = items else { return None };
         let NodeKind::Str(doc) = &tree.get(*doc).kind else { return None };
         let is_called = ["def-plan", "defun", "defmacro"].contains(&word(*head));
-        let words = std::iter::once(name).chain(tree.items(*parameters)).map(|&node| word(node)).collect::<Vec<_>>();
+        let written = |node: &NodeId| &library[tree.span(*node).start as usize..tree.span(*node).end as usize];
+        let words = std::iter::once(name).chain(tree.items(*parameters)).map(written).collect::<Vec<_>>();
         let is_called = is_called && !word(*name).starts_with('%');
         is_called.then(|| vec![format!("`({})`", words.join(" ")), doc.to_string()])
     });
     rows.collect()
+}
+
+/// Definitions in the midst of their files, with and without defaults.
+#[test]
+fn names_are_shown_as_they_are_called() {
+    let reference = Reference::new().expect("the library compiles");
+    for called in
+        ["(go-to destination &key patience)", "(charge place level)", "(find-opening instruction &optional (from 0.0))"]
+    {
+        let name = called.trim_start_matches('(').split(' ').next().expect("a name");
+        assert_eq!(reference.find(name).expect(name).signature, called);
+    }
 }
 
 #[test]
