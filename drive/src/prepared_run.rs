@@ -93,6 +93,7 @@ impl PreparedRun {
         let is_written = self.end_journal(ending, &summary)?;
         report(&self.system, ending, &summary, console);
         self.tell_divergence(console);
+        self.tell_left_deviations(console);
         if let Some(journal) = &self.records.journal {
             journal.told_at_end().inspect(|told| console.note(told));
         }
@@ -129,6 +130,16 @@ impl PreparedRun {
             journal.finish(trace.as_mut().and_then(TraceFile::ledger), &end);
         }
         Ok(!journal.stops_run())
+    }
+
+    /// A schedule is of one plan with one seed; under another it means nothing.
+    fn tell_left_deviations(&self, console: &mut Console) {
+        let left = self.system.machine.schedule.as_ref().map_or(0, |schedule| schedule.left().count());
+        if left > 0 {
+            console.note(&format!(
+                "warning: {left} choices of the schedule did not come to pass; it is of another plan, seed or time limit"
+            ));
+        }
     }
 
     /// Where the run first did something else than was recorded.

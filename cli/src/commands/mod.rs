@@ -10,6 +10,7 @@ pub mod eval;
 pub mod examples;
 pub mod experiment;
 pub mod explain;
+pub mod explore;
 pub mod fmt;
 pub mod journal;
 pub mod localize;
@@ -75,6 +76,7 @@ pub enum Command {
     Trace(trace::Arguments),
     New(new::Arguments),
     Explain(explain::Arguments),
+    Explore(explore::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
     Test(test::Arguments),
@@ -110,6 +112,7 @@ impl Command {
             Command::Simulate(arguments) => simulate::run(arguments, console),
             Command::Trace(arguments) => trace::run(arguments, console),
             Command::Explain(arguments) => explain::run(arguments, console),
+            Command::Explore(arguments) => explore::run(arguments, console),
             Command::New(arguments) => new::run(arguments, console),
             Command::View(arguments) => view::run(arguments, CommandLine::command(), console),
             Command::Check(arguments) => check::run(arguments, console),

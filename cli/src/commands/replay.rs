@@ -84,6 +84,7 @@ pub fn run(arguments: &Arguments, command_line: clap::Command, console: &mut Con
     }
     let plan = plan.context("the recording has no plan; name one with `--plan FILE`")?;
     let run = run::Arguments {
+        schedule: None,
         file: Some(plan),
         site,
         host: hosts::HostArguments::default(),

@@ -1,7 +1,7 @@
 //! `rpl run FILE`: a mission from its first form to its end.
 
 use crate::version::BUILD;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueHint;
 use clap_complete::engine::ArgValueCompleter;
 use rpl_drive::hosts::{HostArguments, HostSource, Use};
@@ -16,16 +16,19 @@ use rpl_drive::run_record::Records;
 use rpl_drive::seen::{LiveArguments, SeenRun, plan_texts};
 use rpl_drive::show::figures;
 use rpl_drive::trace::TraceFile;
+use rpl_explore::schedule_text;
 use rpl_lang::visible::visible;
 use rpl_mission::robot::Robot;
 use rpl_mission::site::Site;
 use rpl_robot::world::World;
 use rpl_runtime::run::library::{Library, Loaded};
 use rpl_runtime::run::system::System;
+use rpl_runtime::state::schedule::{Deviation, Schedule};
 use rpl_shell::arguments::completion;
 use rpl_shell::arguments::duration::parse_duration_us;
 use rpl_shell::arguments::journal::JournalArguments;
 use rpl_shell::arguments::site::SiteArguments;
+use rpl_shell::files::inputs;
 use rpl_shell::files::module_files::{GoingBack, ModuleVoices};
 use rpl_shell::files::outputs::OutputFile;
 use rpl_shell::files::overrides::{Overrides, OverridingLoader};
@@ -62,6 +65,9 @@ pub struct Arguments {
     /// Limit of the steps of all tasks in one instant; beyond it the plan fails as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
+    /// Take the order of this file, which `rpl explore` has written, where the language promises none
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub schedule: Option<PathBuf>,
     /// Case memory of the robot: read at the start if the file exists, written at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub cases: Option<PathBuf>,
@@ -137,6 +143,11 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
              `--journal` records the same"
         );
     }
+    if arguments.schedule.is_some() && (arguments.journal.journal.is_some() || arguments.host.record.is_some()) {
+        bail!(
+            "a run in another order is not gone on with or replayed; leave `--schedule` away, or `--journal` and `--record`"
+        );
+    }
     if arguments.output.live.control && (arguments.journal.journal.is_some() || arguments.host.record.is_some()) {
         bail!(
             "a run that is gone on with or replayed is not steered by hand; leave `--control` away, or `--journal` and `--record`"
@@ -191,6 +202,7 @@ pub fn run_on(
     let plan = plans::plan(file)?;
     let (recorded_plan, kept_plan) = (RecordedText::of(file, &plan), KeptText::of(&plan));
     let output = &arguments.output;
+    let schedule = arguments.schedule.as_deref().map(deviations_in).transpose()?;
     let (site, world, modules, cases) = arguments.site.build_with(voices, arguments.cases.as_deref())?;
     if world.is_none() && (output.figures.is_some() || output.trace_poses.is_some()) {
         bail!("without a robot there are no poses and no figures; add `--world dept`");
@@ -237,7 +249,8 @@ pub fn run_on(
     }
     modules.start(&site, seed, hearing.as_ref())?;
     let (robot, host_lines) = source.robot(&site, seed, Use::Run, hearing)?;
-    let system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);
+    let mut system = begun(&site, loaded, robot, seed, arguments.max_steps, wants_events);
+    system.machine.schedule = schedule.map(|deviations| Box::new(Schedule::new(deviations)));
     if let Some(journal) = &mut journal {
         journal.instant_begun(&system);
     }
@@ -247,6 +260,12 @@ pub fn run_on(
     let pace = Pace { until_us: arguments.until, stopped_us, factor };
     let written_at_end = WrittenAtEnd { cases, figures, draws_choices: output.choices, json: output.json };
     PreparedRun { site, world, system, seed, pace, records, host_lines, modules, written_at_end, began }.drive(console)
+}
+
+/// The deviations of a schedule.
+fn deviations_in(path: &Path) -> Result<Vec<Deviation>> {
+    let read = inputs::read_text(path).and_then(|text| schedule_text::read(&text));
+    read.map_err(|why| anyhow!("`{}`: {why}", path.shown()))
 }
 
 /// A run at its start.

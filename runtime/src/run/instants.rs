@@ -5,7 +5,7 @@ use crate::run::system::{Outcome, Progress, System};
 use crate::state::limits::Spent;
 use crate::state::machine::Machine;
 use crate::state::task::Wake;
-use crate::state::timers::Alarm;
+use crate::state::timers::{Alarm, Timer};
 use crate::state::value::Value;
 use crate::step::time::timers::is_current;
 
@@ -76,31 +76,36 @@ impl<O: Outside> System<O> {
             if timer.deadline_us > now {
                 return;
             }
-            let task = timer.task.index;
             match timer.alarm {
                 Alarm::Wake(_) => {
                     self.machine.timers.take();
-                    self.machine.wake(task, Wake::Value(Value::Nil));
+                    self.machine.wake(timer.task.index, Wake::Value(Value::Nil));
                     is_quiet = false;
                 }
-                Alarm::Request { asked_us, .. } if is_quiet && self.machine.is_idle() => {
-                    self.machine.timers.take();
-                    let seconds = (timer.deadline_us - asked_us) as f64 / 1e6;
-                    // Whoever it kept waiting is served.
-                    self.with_machine(|machine, around| {
-                        machine.request_ended(task, seconds);
-                        machine.serve_valves(around);
-                    });
-                    return;
-                }
-                Alarm::Deadline if is_quiet && self.machine.is_idle() => {
-                    self.machine.timers.take();
-                    self.with_machine(|machine, around| machine.deadline(around, task, timer.number));
-                    return;
+                Alarm::Request { .. } | Alarm::Deadline if is_quiet && self.machine.is_idle() => {
+                    let timer = self.machine.take_timeout(timer);
+                    return self.end_in_time(timer);
                 }
                 // What is ready may be done in time: the timeout is looked at when it has run.
                 Alarm::Request { .. } | Alarm::Deadline => return,
             }
+        }
+    }
+
+    /// A timeout takes effect. Its timer is taken already.
+    fn end_in_time(&mut self, timer: Timer) {
+        let task = timer.task.index;
+        match timer.alarm {
+            Alarm::Wake(_) => {}
+            Alarm::Request { asked_us, .. } => {
+                let seconds = (timer.deadline_us - asked_us) as f64 / 1e6;
+                // Whoever it kept waiting is served.
+                self.with_machine(|machine, around| {
+                    machine.request_ended(task, seconds);
+                    machine.serve_valves(around);
+                });
+            }
+            Alarm::Deadline => self.with_machine(|machine, around| machine.deadline(around, task, timer.number)),
         }
     }
 

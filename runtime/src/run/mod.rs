@@ -2,6 +2,8 @@
 
 mod base;
 pub mod beside;
+pub mod canonical;
+pub mod choices;
 mod compiled_library;
 mod datum;
 pub mod difference;

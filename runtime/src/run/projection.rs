@@ -200,6 +200,7 @@ impl<O: Outside> System<O> {
         machine.limits.steps = STEPS_IN_AN_INSTANT;
         machine.spent = Spent::default();
         machine.limits.bytes = limit_bytes;
+        machine.schedule = None;
         machine.projected = Some(Box::default());
         Ok(System {
             program: self.program.clone(),

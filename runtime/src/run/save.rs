@@ -31,7 +31,7 @@ use std::sync::Arc;
 const MAGIC: &[u8; 7] = b"RPLSAVE";
 
 /// Of the layout and of everything in it; any change to a saved type needs a new one.
-pub(super) const VERSION: u32 = 34;
+pub(super) const VERSION: u32 = 35;
 
 const HEADER: usize = MAGIC.len() + 3 * size_of::<u32>();
 

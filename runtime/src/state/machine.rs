@@ -9,6 +9,7 @@ use crate::state::output::Output;
 use crate::state::priorities::Priorities;
 use crate::state::projected::ProjectedRun;
 use crate::state::registers::Registers;
+use crate::state::schedule::Schedule;
 use crate::state::scratch::Scratch;
 use crate::state::slab::{NONE, Slab};
 use crate::state::stall::Stall;
@@ -89,6 +90,8 @@ pub struct Machine {
     pub(crate) random: Stream,
     /// What the seeds of projected runs are drawn from: to project leaves what plans draw as it is.
     pub(crate) foresight: Stream,
+    /// What is chosen where the order is not promised; a run by itself has none, and takes the first.
+    pub schedule: Option<Box<Schedule>>,
     /// What is noted of a projected run; none in a run that is real.
     #[serde(skip)]
     pub projected: Option<Box<ProjectedRun>>,
@@ -137,6 +140,7 @@ impl Machine {
             steps: 0,
             random,
             foresight,
+            schedule: None,
             projected: None,
             scratch: Scratch::default(),
         };

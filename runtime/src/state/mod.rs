@@ -19,6 +19,7 @@ pub mod priorities;
 pub mod projected;
 pub mod quotient;
 pub mod registers;
+pub mod schedule;
 pub mod scratch;
 pub mod slab;
 pub mod small_set;

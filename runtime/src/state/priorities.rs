@@ -311,6 +311,16 @@ impl Priorities {
         task
     }
 
+    /// The line of the most important ready tasks.
+    pub fn first_line(&self) -> Option<Line> {
+        self.ready.last().map(|&priority| self.all[priority].line)
+    }
+
+    /// The ready tasks of a priority.
+    pub fn line_of(&self, priority: u32) -> Line {
+        self.all[priority].line
+    }
+
     /// Whether a task more important than this priority is ready.
     #[inline]
     pub fn has_higher(&self, priority: u32) -> bool {

@@ -23,7 +23,7 @@ pub enum Alarm {
 
 impl Alarm {
     /// Timeouts end last in an instant: what is done in the deadline's very instant is done in time.
-    fn is_late(self) -> bool {
+    pub(crate) fn is_late(self) -> bool {
         match self {
             Alarm::Wake(_) => false,
             Alarm::Request { .. } | Alarm::Deadline => true,
@@ -111,6 +111,12 @@ impl Timers {
     /// Takes the timer that [`Timers::next`] gave. What it ends notes it as cancelled.
     pub fn take(&mut self) {
         self.heap.pop();
+        self.cancelled -= 1;
+    }
+
+    /// Takes a timer out, wherever it stands.
+    pub fn remove(&mut self, number: u64) {
+        self.heap.retain(|timer| timer.0.number != number);
         self.cancelled -= 1;
     }
 

@@ -32,7 +32,11 @@ impl Machine {
     /// Runs the next ready task until it blocks, ends or is switched out. If there is none, garbage that is due is
     /// collected now: what happens next does not wait for it.
     pub(crate) fn run_next(&mut self, around: &mut Surroundings<'_>) -> Ran {
-        match self.priorities.pop(&mut self.tasks) {
+        let next = match self.schedule {
+            None => self.priorities.pop(&mut self.tasks),
+            Some(_) => self.take_scheduled(),
+        };
+        match next {
             None => {
                 self.collect_at_rest();
                 Ran::Nothing
@@ -248,6 +252,7 @@ impl Machine {
                             }
                         }
                         if let Some(value) = gives_way {
+                            self.note_given_way(task);
                             self.tasks[task].set_wake(Wake::Value(value));
                             self.make_ready(task);
                         }

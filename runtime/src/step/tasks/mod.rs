@@ -1,5 +1,6 @@
 //! Tasks: the tree they form, their states, how they wait, are suspended and end.
 
+mod choice;
 pub mod condition;
 mod deadlock;
 mod death;

@@ -96,12 +96,14 @@ impl Machine {
     pub(crate) fn requeue_running(&mut self, task: u32) {
         self.set_state(task, State::Ready);
         self.queue(task, true);
+        self.note_preempted(task);
     }
 
     /// Puts the running task back as if nothing had happened: no fluent tells of it.
     pub(crate) fn set_aside(&mut self, task: u32) {
         self.tasks[task].enter(State::Ready);
         self.queue(task, true);
+        self.note_preempted(task);
     }
 
     /// Takes a task out of the run queue, if it stands there.
@@ -109,6 +111,7 @@ impl Machine {
         if self.is_queued(task) {
             let priority = self.effective_priority(task);
             self.priorities.withdraw(&mut self.tasks, task, priority);
+            self.note_left(task);
         }
     }
 

@@ -95,6 +95,7 @@ impl Machine {
             if was_queued && !self.is_queued(task) {
                 let priority = self.effective_priority(task);
                 self.priorities.withdraw(&mut self.tasks, task, priority);
+                self.note_left(task);
             }
             if task == self.current {
                 self.scratch.switch = true;
