@@ -19,6 +19,7 @@
 //! [`compile`] with its special forms (`compile/forms`), [`check`], [`occurrences`], [`layout`], [`formatter`].
 
 pub mod bars;
+mod brackets;
 pub mod continuation;
 pub mod diagnostic;
 pub mod formatter;

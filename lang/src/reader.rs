@@ -1,6 +1,7 @@
 //! Tokens to syntax, with recovery: a tree always results, and every independent error is told.
 
 use crate::bars::{begins_definition, read_name};
+use crate::brackets::lex_in_pairs;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Prefix, Token, lex, unescape};
 use crate::nesting::Nesting;
@@ -30,7 +31,7 @@ pub const MAX_ERRORS: usize = 20;
 /// A `(` in the first column means that the list above was never closed, if the parentheses of the
 /// text do not balance or if a definition begins there: definitions stand at top level.
 pub fn read(text: &str, source: SourceId, symbols: &mut Symbols, tree: &mut Tree) -> (Vec<NodeId>, Vec<Diagnostic>) {
-    let (tokens, mut found) = lex(text, source);
+    let (tokens, mut found) = lex_in_pairs(text, source);
     let lexemes = prepare(text, &tokens, &mut found);
     let end = SimpleSpan::from(text.len()..text.len());
     let mut builder = SimpleState(TreeBuilder { text, source, symbols, tree, unclosed: Vec::new(), given_up_at: 0 });

@@ -27,6 +27,11 @@ impl Span {
     }
 }
 
+/// Whether a place is in another.
+pub(crate) fn lies_in(inner: Span, outer: Span) -> bool {
+    inner.source == outer.source && outer.start <= inner.start && inner.end <= outer.end
+}
+
 /// One text with the name errors print for it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {

@@ -1,14 +1,13 @@
 //! Angles beyond a full turn, written without a unit: `(cos 60)`, where `60deg` is meant.
 
 use super::known::Check;
-use super::places::lies_in;
 use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
 use crate::kind::Kind;
 use crate::lexer::Token;
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 use std::f64::consts::TAU;
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {

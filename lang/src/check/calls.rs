@@ -139,6 +139,18 @@ fn keywords(
         return;
     }
     let known: Vec<&str> = parameters.keys.iter().map(|&key| check.name(key)).collect();
+    let last = positional.checked_sub(1).map(|last| &arguments[last]);
+    if let Some(last) = last
+        && let Some(key) = check.keyword(last)
+        && check.keyword(&arguments[positional]).is_none()
+    {
+        let key = check.name(key);
+        let place = super::places::keyword(&check.subject.program.sources, span, last.span, key);
+        let message = format!("`{name}` takes this argument by its place, and has no parameter `:{key}`");
+        let warning = check.warning("unknown-parameter", place, message, "unknown parameter");
+        found.push(warning.help(format!("leave out `:{key}`")));
+        return;
+    }
     unknown_keywords(check, name, &known, &arguments[positional..], span, found);
 }
 

@@ -2,11 +2,11 @@
 
 use super::bindings::is_plain;
 use super::known::Check;
-use super::places::lies_in;
 use super::walk::each_form;
 use crate::code::GlobalKind;
 use crate::compile::ir::{Callee, Ir, IrKind};
 use crate::diagnostic::Diagnostic;
+use crate::source::lies_in;
 use crate::stack::deep;
 use std::collections::BTreeMap;
 

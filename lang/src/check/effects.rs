@@ -3,12 +3,11 @@
 
 use super::flow::Flow;
 use super::known::{Check, Effects};
-use super::places::lies_in;
 use super::walk::{FormPart, each_form, parts};
 use crate::code::{CodeKind, GlobalKind};
 use crate::compile::ir::{Callee, Function, Ir, IrKind, ParameterBinding};
 use crate::diagnostic::Diagnostic;
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 use crate::stack::deep;
 use std::collections::BTreeSet;
 use std::rc::Rc;

@@ -1,12 +1,11 @@
 //! Which forms come to an end by themselves, and what therefore never runs.
 
 use super::known::Check;
-use super::places::lies_in;
 use super::walk::{FormPart, parts};
 use crate::code::{Failures, Quorum, Successes};
 use crate::compile::ir::{BlockId, Callee, ChildIr, ClauseIr, Ir, IrKind, VarId};
 use crate::diagnostic::Diagnostic;
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 use crate::stack::deep;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,13 +1,12 @@
 //! Operators between their operands: `(battery < 20)` calls `battery`, and `(when n < 3 …)` asks for `n`.
 
 use super::known::Check;
-use super::places::lies_in;
 use super::walk::each_form;
 use crate::code::{Atom, Constant, GlobalKind};
 use crate::compile::ir::{Callee, Ir, IrKind, Unary, VarId};
 use crate::diagnostic::Diagnostic;
 use crate::infix::{Infix, infix_at, is_operator};
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
     for root in check.roots() {

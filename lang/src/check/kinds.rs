@@ -1,14 +1,14 @@
 //! Arguments that are not of the kind their place takes: a string for a number, a function for a task.
 
 use super::known::Check;
-use super::places::lies_in;
 use super::unknown_places::takes_place;
 use super::walk::{each_form, each_form_within};
 use crate::code::{Atom, CodeKind, Constant, GlobalKind, Part};
 use crate::compile::ir::{ArgumentIr, Binary, Callee, Ir, IrKind, ScopeIr, Unary};
 use crate::diagnostic::Diagnostic;
 use crate::kind::{Kind, time_in_string};
-use crate::source::Span;
+use crate::lexer::Token;
+use crate::source::{Span, lies_in};
 use crate::suggest::suggest;
 use std::collections::BTreeSet;
 
@@ -81,6 +81,7 @@ impl Found {
 }
 
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    let before = found.len();
     // Who handles this very failure may want it: these forms, by their addresses.
     let mut handled = BTreeSet::new();
     for root in check.roots() {
@@ -95,6 +96,19 @@ pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
             }
         });
     }
+    // What stands behind a keyword that is too many is told with it.
+    let ends =
+        found[before..].iter().filter(|told| told.help.as_ref().is_some_and(|help| help.starts_with("leave out `:")));
+    let ends: Vec<Span> = ends.map(|told| told.span).collect();
+    found.retain(|told| told.code != "unused-value" || !ends.iter().any(|&end| is_next(check, end, told.span)));
+}
+
+/// Whether a form is the next thing behind a place.
+fn is_next(check: &Check<'_>, place: Span, form: Span) -> bool {
+    let between = Span { start: place.end, end: form.start.max(place.end), ..place };
+    place.source == form.source
+        && place.end <= form.start
+        && check.subject.program.sources.text_of(between).trim().is_empty()
 }
 
 /// The part of a form in which a fault of the plan is handled as such.
@@ -172,7 +186,12 @@ fn look_at(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
                 // What may be left out may often be nil.
                 let is_left_out = at >= usize::from(signature.min) && matches!(argument.kind, IrKind::Nil);
                 if !is_left_out {
-                    look(&form, signature.kind(at), argument);
+                    let kind = match signature.kind(at) {
+                        // What ends a list may be anything, and a number there is meant; a name rarely is.
+                        Kind::ListOrEnd if form == "append" && at > 0 && check.quoted(argument).is_some() => Kind::List,
+                        kind => kind,
+                    };
+                    look(&form, kind, argument);
                 }
             }
         }
@@ -327,6 +346,13 @@ fn tag_advice(check: &Check<'_>, ir: &Ir, name: &str) -> String {
     }
 }
 
+/// Whether one more value stands directly behind a form.
+fn is_followed(check: &Check<'_>, form: Span) -> bool {
+    let tokens = check.tokens(form.source);
+    let behind = tokens.get(tokens.partition_point(|(_, span)| span.start < form.end));
+    behind.is_some_and(|(token, _)| !matches!(token, Token::Close | Token::Keyword))
+}
+
 fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> Option<String> {
     match (kind, found) {
         (Kind::Seconds | Kind::Number | Kind::Angle | Kind::Integer, Found::Text) => {
@@ -335,6 +361,9 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
             time_in_string(text).map(|number| format!("write `{number}`, without quotes"))
         }
         (Kind::Task, Found::Symbol) => Some(tag_advice(check, ir, check.name(check.quoted(ir)?))),
+        (Kind::List, Found::Symbol) if form == "`append`" => {
+            Some(format!("`append` joins lists: one more element is `(list {})`", check.shown(ir)))
+        }
         (_, Found::Symbol) => {
             let name = check.name(check.quoted(ir)?);
             let is_defined = check.subject.symbols.find(name).is_some_and(|symbol| {
@@ -373,6 +402,7 @@ fn advice(check: &Check<'_>, form: &str, kind: Kind, found: Found, ir: &Ir) -> O
             let valve = check.subject.behaviours.get(usize::from(number))?.valve.as_ref()?;
             Some(format!("the behaviour `{}` is moved by whoever has the valve `{valve}`", check.shown(ir)))
         }
+        (_, Found::Keyword) if is_followed(check, ir.span) => Some(format!("leave out `{}`", check.shown(ir))),
         (Kind::Valve, _) => Some("a valve is defined by `(def-valve NAME)`".into()),
         (_, Found::Fluent) => Some(format!("its value is `(value {})`", check.shown(ir))),
         _ => None,

@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::kind::Kind;
 use crate::lexer::{Token, lex};
 use crate::name_places::find_name;
-use crate::source::{SourceId, Span};
+use crate::source::{SourceId, Span, lies_in};
 use crate::symbol::{Symbol, Symbols};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -173,14 +173,14 @@ impl<'a> Check<'a> {
             let first = places.partition_point(|place| (place.source, place.start) < (span.source, span.start));
             let from = places[first..].iter();
             let mut within = from.take_while(|place| place.source == span.source && place.start <= span.end);
-            within.any(|&place| places::lies_in(place, *span))
+            within.any(|&place| lies_in(place, *span))
         };
         let mut faulty: Vec<Span> = spans.filter(has_error).collect();
         // Of those that begin at one place the longest first; forms lie in one another or apart.
         faulty.sort_by_key(|span| (span.source, span.start, std::cmp::Reverse(span.end)));
         let mut outer: Vec<Span> = Vec::new();
         for span in faulty {
-            if outer.last().is_none_or(|&last| !places::lies_in(span, last)) {
+            if outer.last().is_none_or(|&last| !lies_in(span, last)) {
                 outer.push(span);
             }
         }
@@ -316,7 +316,7 @@ impl<'a> Check<'a> {
             IrKind::Local(variable) => self.variable_name(variable),
             _ => return ir.span,
         };
-        let within = if places::lies_in(ir.span, around) { ir.span } else { around };
+        let within = if lies_in(ir.span, around) { ir.span } else { around };
         find_name(&self.subject.program.sources, within, name).unwrap_or(ir.span)
     }
 }

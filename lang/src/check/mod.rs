@@ -21,9 +21,11 @@ mod effects;
 mod flow;
 mod fluents;
 mod infix;
+mod joined;
 mod kinds;
 mod known;
 mod names;
+mod no_value;
 mod places;
 mod policies;
 mod quorums;
@@ -37,9 +39,9 @@ mod valves;
 pub(crate) mod walk;
 
 use crate::diagnostic::Diagnostic;
+use crate::source::lies_in;
 use known::Check;
 pub use known::{BehaviourSignature, KnownPlaces, Subject};
-use places::lies_in;
 pub use rules::RULES;
 
 /// The warnings about a text, in order of place. `errors` are what its compilation found: nothing is
@@ -62,6 +64,8 @@ pub fn check(subject: Subject<'_>, errors: &[Diagnostic]) -> Vec<Diagnostic> {
     angles::find(&check, found);
     infix::find(&check, found);
     quotes::find(&check, found);
+    joined::find(&check, found);
+    no_value::find(&check, found);
     policies::find(&check, found);
     claims::find(&check, found);
     valve_order::find(&check, found);

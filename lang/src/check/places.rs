@@ -32,6 +32,12 @@ pub(super) fn one_line(sources: &Sources, span: Span) -> String {
     }
 }
 
+/// The word that a form begins with.
+pub(super) fn head(sources: &Sources, form: Span) -> &str {
+    let text = sources.text_of(form).strip_prefix('(').unwrap_or_default();
+    text.split(|c: char| c.is_whitespace() || matches!(c, '(' | ')')).next().unwrap_or_default()
+}
+
 /// Comments that take warnings away: where they stand in the texts that warnings are about.
 pub(super) struct Allowances<'a> {
     sources: &'a Sources,
@@ -93,9 +99,4 @@ pub(super) fn keyword(sources: &Sources, call: Span, own: Span, key: &str) -> Sp
     });
     let is_key = |span: &Span| read_name(&sources.text_of(*span)[1..]) == key;
     named.into_iter().find(is_key).unwrap_or(own)
-}
-
-/// Whether a place is in another.
-pub(super) fn lies_in(inner: Span, outer: Span) -> bool {
-    inner.source == outer.source && outer.start <= inner.start && inner.end <= outer.end
 }

@@ -7,7 +7,7 @@ use super::places;
 use super::walk::each_form;
 use crate::compile::ir::{Ir, IrKind, ScopeIr, Unary, VarId};
 use crate::diagnostic::Diagnostic;
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 
 /// Natives that do nothing but give a value, and so do nothing where it is not used.
 const PURE: &[&str] = &[
@@ -69,9 +69,20 @@ const PURE: &[&str] = &[
     "failure-message",
 ];
 
+/// A number directly behind the head of a form that takes none, and the form that takes it.
+const SHAPES: &[(&[&str], &str)] = &[
+    (&["loop", "seq", "forever"], "so many times: `(n-times N FORM...)`"),
+    (&["whenever"], "again and again, after so many seconds: `(loop (wait-time N) FORM...)`"),
+    (
+        &["try-in-order", "try-all", "par", "pursue"],
+        "a number is no form: so many times is `(n-times N FORM...)`, for so long `(with-timeout SECONDS FORM...)`",
+    ),
+];
+
 pub(super) fn find(check: &Check<'_>, found: &mut Vec<Diagnostic>) {
+    let empty = without_forms(check);
     for number in 0..check.subject.text.variables.len() as u32 {
-        found.extend(unused_binding(check, VarId(number)));
+        found.extend(unused_binding(check, VarId(number), &empty));
     }
     for root in check.roots() {
         each_form(root, &mut |ir| {
@@ -113,7 +124,7 @@ fn value_of_test(check: &Check<'_>, body: &Ir) -> Option<Diagnostic> {
     is_truth.then(|| warning().help(format!("write `(assert {})`", check.shown(last))))
 }
 
-fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
+fn unused_binding(check: &Check<'_>, variable: VarId, empty: &[Span]) -> Option<Diagnostic> {
     let binding = check.bindings().get(variable);
     let span = check.subject.text.variables[variable.0 as usize].span;
     let name = check.variable_name(variable);
@@ -122,9 +133,16 @@ fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
     }
     // What a macro binds has no place of its own in the text.
     let place = places::binding_name(&check.subject.program.sources, span, name)?;
+    let before =
+        empty.partition_point(|definition| (definition.source, definition.start) <= (place.source, place.start));
+    let is_of_empty = before.checked_sub(1).is_some_and(|before| lies_in(place, empty[before]));
     let is_function = matches!(binding.value.map(|value| &value.kind), Some(IrKind::Lambda(_)));
     let (message, help) = match (binding.place, binding.assignments > 0) {
         (_, true) => (format!("`{name}` is assigned and never read"), "remove it and its assignments".to_string()),
+        (BoundBy::Parameter, _) if is_of_empty => {
+            let help = "its definition has no forms: perhaps a `)` closes it too early";
+            (format!("the parameter `{name}` is never used"), help.to_string())
+        }
         (BoundBy::Parameter, _) => {
             (format!("the parameter `{name}` is never used"), format!("if it must be there, call it `_{name}`"))
         }
@@ -132,6 +150,14 @@ fn unused_binding(check: &Check<'_>, variable: VarId) -> Option<Diagnostic> {
         _ => (format!("`{name}` is never used"), format!("remove it, or call it `_{name}` if it must be there")),
     };
     Some(check.warning("unused-binding", place, message, "never read").help(help))
+}
+
+/// The definitions in which nothing stands, in order of place.
+fn without_forms(check: &Check<'_>) -> Vec<Span> {
+    let empty = check.own_functions().filter(|(_, function)| matches!(function.body.kind, IrKind::Nil));
+    let mut places: Vec<Span> = empty.map(|(_, function)| function.span).collect();
+    places.sort();
+    places
 }
 
 /// Forms of which the value is lost and that do nothing else.
@@ -151,13 +177,19 @@ fn unused_values(check: &Check<'_>, ir: &Ir, found: &mut Vec<Diagnostic>) {
             _ => found.extend(unused_value(check, ir.span, body)),
         },
         IrKind::Whenever { body, .. } => found.extend(unused_value(check, ir.span, body)),
+        // A part of a construct that is a number.
+        IrKind::Construct(construct) if construct.argument.is_none() && construct.policy().is_none() => {
+            let parts = construct.children.iter().map(|child| &*child.body.body);
+            let numbers = parts.filter(|part| check.number(part).is_some());
+            numbers.for_each(|part| found.extend(unused_value(check, ir.span, part)));
+        }
         _ => {}
     }
 }
 
 fn unused_value(check: &Check<'_>, around: Span, ir: &Ir) -> Option<Diagnostic> {
     // What a macro adds has the place of the macro's call.
-    if ir.span == around || !is_idle(check, ir) {
+    if ir.span == around || !is_idle(check, ir) || super::joined::touches(check, ir.span) {
         return None;
     }
     let text = check.subject.program.sources.text_of(ir.span);
@@ -168,10 +200,20 @@ fn unused_value(check: &Check<'_>, around: Span, ir: &Ir) -> Option<Diagnostic> 
     if is_word && text.starts_with('(') && !text.starts_with("(quote") {
         return None;
     }
-    Some(match is_format {
-        true => warning.help("`format` gives a text; to write it, `(print (format …))`"),
-        false => warning,
+    let head = places::head(&check.subject.program.sources, around);
+    let is_count = check.number(ir).is_some() && is_first(check, around, head, ir.span);
+    let shape = SHAPES.iter().find(|(heads, _)| is_count && heads.contains(&head)).map(|(_, help)| *help);
+    Some(match shape.or(is_format.then_some("`format` gives a text; to write it, `(print (format …))`")) {
+        Some(help) => warning.help(help),
+        None => warning,
     })
+}
+
+/// Whether a form is the first one behind the head of another.
+fn is_first(check: &Check<'_>, around: Span, head: &str, form: Span) -> bool {
+    let start = around.start + 1 + head.len() as u32;
+    let between = Span { start, end: form.start.max(start), ..around };
+    check.subject.program.sources.text_of(between).trim().is_empty()
 }
 
 /// Whether evaluating a form can only give its value or fail.

@@ -12,6 +12,8 @@ use std::sync::LazyLock;
 pub struct NativeSignature {
     /// Its name.
     pub name: String,
+    /// Its parameters, as its documentation writes them.
+    pub parameters: String,
     /// Fewest arguments.
     pub min: u8,
     /// Most arguments; none for any number.
@@ -43,6 +45,15 @@ pub(super) fn describe_arity(min: u8, max: Option<u8>) -> String {
         Some(max) => format!("{min} to {}", plural(max)),
         None => format!("at least {}", plural(min)),
     }
+}
+
+/// How a call of a native function is written.
+pub(super) fn call_of_native(native: &NativeSignature) -> String {
+    let parameters = native.parameters.split_whitespace().map(|word| match word.starts_with('&') {
+        true => word.to_string(),
+        false => word.to_uppercase(),
+    });
+    format!("`({})`", std::iter::once(native.name.clone()).chain(parameters).collect::<Vec<_>>().join(" "))
 }
 
 /// Why a call of a macro has no expansion.

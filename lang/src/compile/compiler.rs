@@ -8,7 +8,7 @@ use super::locals::{Locals, Surrounding};
 use super::resolved::{Defined, Definition};
 use crate::code::{Code, CodeKind, Constant, Global, GlobalKind, Parameters, Program};
 use crate::diagnostic::{Diagnostic, NOT_OF_THE_FORM};
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 use crate::symbol::{Symbol, Symbols};
 use crate::syntax::{NodeId, NodeKind, Tree, mark_of};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,6 +36,8 @@ pub(crate) struct Compiler<'a> {
     pub(super) names_elsewhere: &'a NamesElsewhere,
     pub(super) purpose: Purpose,
     pub(super) tree: Tree,
+    /// Where the tree has nothing because it could not be read, in order of place.
+    holes: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) variables: Vec<Variable>,
     pub(super) definitions: Vec<Definition>,
@@ -156,6 +158,7 @@ impl<'a> Compiler<'a> {
             robot_names,
             names_elsewhere,
             purpose,
+            holes: holes(&tree, 0),
             tree,
             diagnostics: Vec::new(),
             variables: Vec::new(),
@@ -217,7 +220,22 @@ impl<'a> Compiler<'a> {
         &mut self.diagnostics[at]
     }
 
+    /// Notes what could not be read of a text that is loaded; its nodes are those from a number on. Texts come in
+    /// their order.
+    pub(super) fn note_holes(&mut self, from: usize) {
+        self.holes.extend(holes(&self.tree, from));
+    }
+
+    /// Whether something in a place cannot be read, which is told.
+    pub(super) fn has_hole(&self, within: Span) -> bool {
+        let first = self.holes.partition_point(|hole| (hole.source, hole.start) < (within.source, within.start));
+        self.holes.get(first).is_some_and(|&hole| lies_in(hole, within))
+    }
+
     pub(super) fn malformed(&mut self, span: Span, form: &str) -> Ir {
+        if self.has_hole(span) {
+            return self.nil(span);
+        }
         let help = self.shape_advice(span, form);
         self.error("malformed", span, format!("{NOT_OF_THE_FORM}{form}"), format!("expected {form}")).help = help;
         self.nil(span)
@@ -334,6 +352,14 @@ impl<'a> Compiler<'a> {
             None => self.malformed(span, "a form the library supports"),
         }
     }
+}
+
+/// Where nothing could be read, in order of place.
+fn holes(tree: &Tree, from: usize) -> Vec<Span> {
+    let unread = tree.nodes[from..].iter().filter(|node| node.kind == NodeKind::Hole);
+    let mut holes: Vec<Span> = unread.map(|node| node.span).collect();
+    holes.sort();
+    holes
 }
 
 /// A function without parameters around a body.

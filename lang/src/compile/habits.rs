@@ -2,11 +2,21 @@
 //! write out of habit.
 
 use super::compiler::Compiler;
+use super::foreign;
+use super::locals::Surrounding;
+use crate::bars::read_name;
+use crate::code::GlobalKind;
 use crate::infix::{beginning, enclosing_list, infix_in};
+use crate::lexer::{Token, lex};
 use crate::source::Span;
+use crate::symbol::Symbol;
+use std::collections::BTreeSet;
 
 /// The word that a list begins with, as far as its beginning is near.
 const HEAD_BYTES: usize = 60;
+
+/// Longer lists of names are not taken for data.
+const LONGEST_LIST_BYTES: usize = 400;
 
 impl Compiler<'_> {
     /// Advice that the spelling of a name gives.
@@ -38,6 +48,75 @@ impl Compiler<'_> {
                 "`{text}` is a class of failure: it stands in a clause of `with-failure-handling`, `(({text} (f) …))`"
             )
         })
+    }
+
+    /// Advice on a method, `todo.append`: the name before the dot has a meaning, and functions take what they work on.
+    pub(super) fn method_advice(&self, text: &str, around: Surrounding) -> Option<String> {
+        let (object, method) = text.split_once('.').filter(|(_, method)| !method.is_empty())?;
+        let name = self.symbols.find(object)?;
+        let is_known = self.program.names.contains_key(&name) || self.locals.around(around).any(|local| local == name);
+        let call = match method {
+            "append" | "add" | "push" | "insert" | "push-back" => format!("(push VALUE {object})"),
+            _ if self.is_called(method) => format!("({method} … {object})"),
+            _ => {
+                return is_known.then(|| match foreign::advice(method) {
+                    Some(advice) => format!("there are no methods: {advice}"),
+                    None => format!("there are no methods: a function takes what it works on, `(FUNCTION {object})`"),
+                });
+            }
+        };
+        is_known.then(|| format!("there are no methods: `{call}`"))
+    }
+
+    /// Whether a function of the text or of the library has this name.
+    fn is_called(&self, text: &str) -> bool {
+        let is_native = self.natives.iter().any(|native| native.name == text);
+        let global = self.symbols.find(text).and_then(|name| self.program.names.get(&name));
+        let is_function =
+            global.is_some_and(|&global| matches!(self.program.globals[global as usize].kind, GlobalKind::Function(_)));
+        is_native || is_function
+    }
+
+    /// The list that begins with an unknown name, if it stands where a value is wanted and holds nothing but names that
+    /// are unknown, too, and literals: data that nobody has quoted.
+    pub(super) fn unquoted_list(&self, head: Span, unknown: &BTreeSet<Symbol>) -> Option<Span> {
+        let sources = &self.program.sources;
+        let text = &sources.get(head.source).text;
+        let start = head.start.checked_sub(1).filter(|&at| text.as_bytes()[at as usize] == b'(')?;
+        let end = text.floor_char_boundary((start as usize + LONGEST_LIST_BYTES).min(text.len())) as u32;
+        let (tokens, _) = lex(&text[start as usize + 1..end as usize], head.source);
+        let close = tokens.iter().position(|(token, _)| *token == Token::Close)?;
+        let is_unknown = |span: Span| {
+            let span = Span { start: start + 1 + span.start, end: start + 1 + span.end, ..head };
+            self.symbols.find(&read_name(sources.text_of(span))).is_some_and(|name| unknown.contains(&name))
+        };
+        let items = &tokens[..close];
+        let is_data = items.iter().all(|&(token, span)| match token {
+            Token::Symbol => is_unknown(span),
+            Token::Int(_) | Token::Float(_) | Token::Str | Token::Keyword => true,
+            _ => false,
+        });
+        // `(a)` and `(a 3)` are calls as well.
+        let names = items.iter().filter(|(token, _)| *token == Token::Symbol).count();
+        let list = Span { start, end: start + 1 + tokens[close].1.end, ..head };
+        (is_data && names > 1 && self.is_value_wanted(list)).then_some(list)
+    }
+
+    /// Whether a list stands where its value is used: behind a function, or behind a name that is bound to it.
+    fn is_value_wanted(&self, list: Span) -> bool {
+        let sources = &self.program.sources;
+        let Some(around) = enclosing_list(sources, list) else { return false };
+        let before = &sources.get(list.source).text[around as usize + 1..list.start as usize];
+        let mut words = before.split_whitespace();
+        let Some(head) = words.next() else { return false };
+        let is_form = self
+            .symbols
+            .find(head)
+            .is_some_and(|name| self.specials.contains_key(&name) || self.program.macros.contains_key(&name));
+        match head {
+            "setq" | "setf" | "push" | "defvar" | "defconstant" | "def-fluent" => words.next().is_some(),
+            _ => !is_form,
+        }
     }
 
     /// Advice that the two lists around a name give: the name stands where a form has a list of another shape.

@@ -2,7 +2,10 @@
 
 use super::compiler::Compiler;
 use super::ir::{Ir, ParameterBinding, VarId};
+use crate::bars::read_name;
 use crate::code::Parameters;
+use crate::lexer::{Token, lex};
+use crate::source::Span;
 use crate::symbol::Symbol;
 use crate::syntax::{NodeId, NodeKind};
 
@@ -60,6 +63,17 @@ impl Compiler<'_> {
     pub(super) fn parameter_sections(&mut self, node: NodeId) -> Vec<(Section, NodeId)> {
         let Some(items) = self.list_items(node) else {
             let span = self.tree.span(node);
+            if self.tree.get(node).kind == NodeKind::Hole {
+                // `[x y]`: the names in it are meant.
+                let (tokens, _) = lex(self.program.sources.text_of(span), span.source);
+                for (_, word) in tokens.into_iter().filter(|(token, _)| *token == Token::Symbol) {
+                    let word = Span { start: span.start + word.start, end: span.start + word.end, ..span };
+                    let name = read_name(self.program.sources.text_of(word)).into_owned();
+                    let name = self.symbols.intern(&name);
+                    self.bind(name, word);
+                }
+                return Vec::new();
+            }
             let is_text = matches!(self.tree.get(node).kind, NodeKind::Str(_));
             let error =
                 self.error("parameter-list", span, "a parameter list is missing", "expected a list such as `(a b)`");

@@ -47,6 +47,9 @@ impl Compiler<'_> {
             }
             Err(Unexpanded::Failed(mut diagnostic)) => {
                 let form = diagnostic.message.strip_prefix(NOT_OF_THE_FORM);
+                if form.is_some() && self.has_hole(diagnostic.span) {
+                    return None;
+                }
                 if let (Some(form), None) = (form, &diagnostic.help) {
                     diagnostic.help = self.shape_advice(diagnostic.span, form);
                 }

@@ -20,6 +20,7 @@ mod lambda_list;
 mod locals;
 mod macro_calls;
 mod meaning;
+mod out_of_scope;
 mod pattern;
 mod resolve;
 pub(crate) mod resolved;

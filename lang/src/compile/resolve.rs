@@ -1,11 +1,12 @@
 //! Expressions: special forms go to what compiles them, macros are expanded, everything else is a name,
 //! a call or data.
 
-use super::compilation::describe_arity;
+use super::compilation::{call_of_native, describe_arity};
 use super::compiler::Compiler;
 use super::intrinsics::intrinsic;
 use super::ir::{Callee, Ir, IrKind};
 use super::meaning::Meaning;
+use crate::code::GlobalKind;
 use crate::infix::infix_in;
 use crate::kind::Kind;
 use crate::source::Span;
@@ -135,6 +136,12 @@ impl Compiler<'_> {
             self.arguments(nodes);
             return self.nil(span);
         }
+        if let Some(&list) = nodes.iter().find(|&&node| self.is_no_call(node)) {
+            let told = self.diagnostics.len();
+            self.arguments(nodes);
+            self.advise_on_list(&meaning, head, nodes, list, told);
+            return self.nil(span);
+        }
         match meaning {
             // A tag of the plan.
             Meaning::Local(_) => self.call_value(head, nodes, span),
@@ -144,6 +151,49 @@ impl Compiler<'_> {
                 self.dereferenced(Ir { span, kind: IrKind::Call(Callee::Global(global), arguments) })
             }
             Meaning::Native(native) => self.native_call(native, nodes, span),
+        }
+    }
+
+    /// Whether a form is a list that begins with a number, a text or a keyword: no arguments fit it.
+    fn is_no_call(&self, node: NodeId) -> bool {
+        let head = self.tree.proper_list(node).and_then(|items| items.first());
+        head.is_some_and(|&head| match self.tree.get(head).kind {
+            NodeKind::Int(_) | NodeKind::Float(_) | NodeKind::Str(_) => true,
+            NodeKind::Keyword(name) => self.symbols.name(name) != "tag",
+            _ => false,
+        })
+    }
+
+    /// If the call takes what stands in the list in its place, and not the list, the parentheses are too many.
+    fn advise_on_list(&mut self, meaning: &Meaning, head: NodeId, nodes: &[NodeId], list: NodeId, told: usize) {
+        let items = self.tree.items(list);
+        let accepts = |count: usize| match *meaning {
+            Meaning::Local(_) => false,
+            Meaning::Native(native) => {
+                let native = &self.natives[usize::from(native)];
+                count >= usize::from(native.min) && native.max.is_none_or(|max| count <= usize::from(max))
+            }
+            Meaning::Global(global) => match self.program.globals[global as usize].kind {
+                GlobalKind::Function(code) => {
+                    self.program.codes.get(code as usize).is_some_and(|code| code.parameters.accepts(count))
+                }
+                _ => false,
+            },
+        };
+        if accepts(nodes.len()) || !accepts(nodes.len() - 1 + items.len()) {
+            return;
+        }
+        let text_of = |node: NodeId| self.program.sources.text_of(self.tree.span(node));
+        let flat =
+            nodes.iter().flat_map(|&node| if node == list { items } else { std::slice::from_ref(&node) }.to_vec());
+        let words: Vec<&str> = std::iter::once(head).chain(flat).map(text_of).collect();
+        let help = format!("without these parentheses: `({})`", words.join(" "));
+        let place = self.tree.span(items[0]);
+        let mut new = self.diagnostics[told..].iter_mut();
+        if let Some(error) = new.find(|error| error.code == "not-callable" && error.span == place)
+            && error.help.as_ref().is_none_or(|help| help.starts_with("quote"))
+        {
+            error.help = Some(help);
         }
     }
 
@@ -160,8 +210,11 @@ impl Compiler<'_> {
             let is_format = signature.name == "print"
                 && matches!(nodes.first().map(|&first| &self.tree.get(first).kind), Some(NodeKind::Str(_)));
             let error = self.arity_error(&signature.name, count, &expected, span);
+            let is_bare = error.help.is_none() && !signature.name.starts_with('%');
             if is_format {
                 error.help = Some("`print` shows one value: write `(print (format \"…\" VALUE...))`".into());
+            } else if is_bare {
+                error.help = Some(call_of_native(signature));
             }
             return self.nil(span);
         }

@@ -7,13 +7,14 @@ use super::foreign;
 use super::forms::special_names;
 use super::goals::GOAL_PREFIX;
 use super::locals::Surrounding;
+use super::out_of_scope::BoundElsewhere;
 use crate::code::GlobalKind;
 use crate::diagnostic::Diagnostic;
 use crate::infix::{beginning, infix_in};
 use crate::name_places::{NamePlaces, find_name};
 use crate::number::begins_like_number;
 use crate::number::unit_names;
-use crate::source::Span;
+use crate::source::{Span, lies_in};
 use crate::suggest::suggest;
 use crate::symbol::{Qualifier, Symbol};
 use crate::syntax::{self, NodeId};
@@ -32,6 +33,15 @@ struct KnownNames {
     values: Vec<Symbol>,
     /// Of special forms and macros.
     forms: Vec<Symbol>,
+}
+
+/// What unknown names are looked for in.
+struct Search<'s> {
+    known: &'s KnownNames,
+    places: &'s mut NamePlaces,
+    bound: &'s mut BoundElsewhere,
+    /// Names that may still be compared.
+    work: &'s mut usize,
 }
 
 impl Compiler<'_> {
@@ -54,7 +64,9 @@ impl Compiler<'_> {
         let unknown = names.into_iter().zip(undefined.into_values());
         let unknown: Vec<_> =
             unknown.filter(|(_, unknown)| !of_goals.contains(&unknown.span) && !unknown.is_told).collect();
-        let mut foreign_lists = BTreeSet::new();
+        let mut told_lists = BTreeSet::new();
+        let mut bound = self.bound_elsewhere(&unknown.iter().map(|&(name, _)| name).collect::<Vec<_>>());
+        let all_unknown: BTreeSet<Symbol> = unknown.iter().map(|&(name, _)| name).collect();
         let count = unknown.len();
         for (number, (name, unknown)) in unknown.into_iter().enumerate() {
             if number == MOST_UNKNOWN {
@@ -66,27 +78,26 @@ impl Compiler<'_> {
             match goals.get(&name).filter(|_| !self.would_be_defined(name)) {
                 Some(goal) => self.tell_undefined_goal(goal),
                 None => {
-                    let list = self.list_around(unknown.span);
-                    if list.is_some_and(|list| foreign_lists.contains(&list)) {
+                    let (sources, text) = (&self.program.sources, self.symbols.name(name));
+                    let place = places.find(sources, unknown.span, text).unwrap_or(unknown.span);
+                    let list = self.list_around(place);
+                    if list.is_some_and(|list| told_lists.contains(&list)) {
                         continue;
                     }
-                    if foreign::advice(self.symbols.name(name)).is_some() {
-                        foreign_lists.extend(list);
+                    let data = self.unquoted_list(place, &all_unknown);
+                    if foreign::advice(self.symbols.name(name)).is_some() || data.is_some() {
+                        told_lists.extend(list);
                     }
-                    self.undefined_name(name, unknown, &known, &mut places, &mut work);
+                    let mut search = Search { known: &known, places: &mut places, bound: &mut bound, work: &mut work };
+                    self.undefined_name(name, unknown, data, &mut search);
                 }
             }
         }
     }
 
-    fn undefined_name(
-        &mut self,
-        name: Symbol,
-        unknown: Unknown,
-        known: &KnownNames,
-        places: &mut NamePlaces,
-        work: &mut usize,
-    ) {
+    /// `data` is the list that begins with the name, if that looks like one of names that nobody has quoted.
+    fn undefined_name(&mut self, name: Symbol, unknown: Unknown, data: Option<Span>, search: &mut Search<'_>) {
+        let Search { known, places, bound, work } = search;
         if self.would_be_defined(name) {
             return;
         }
@@ -134,7 +145,7 @@ impl Compiler<'_> {
                 ),
             };
             self.error(code, span, message, label).help = Some(help.into());
-        } else {
+        } else if !self.is_out_of_scope(name, span, bound) {
             let goal = text
                 .strip_prefix(GOAL_PREFIX)
                 .map(|goal| format!("if it is a goal, say how to achieve it: `(def-goal (achieve ({goal} …)) …)`"));
@@ -148,11 +159,14 @@ impl Compiler<'_> {
                 is_word.then(|| self.suggestion(&text, unknown.around, is_argument, known, work)).flatten();
             let suggestion = suggestion.map(|near| format!("did you mean `{near}`?"));
             let elsewhere = self.suggestion_elsewhere(&text, work);
-            let spelling = self.spelling_advice(&text);
+            let spelling = self.spelling_advice(&text).or_else(|| self.method_advice(&text, unknown.around));
             let shape = self.shape_of_list_advice(span, &text);
             let by_place = self.place_advice(span, &text);
-            let help =
-                foreign.or(unit).or(spelling).or(shape).or(suggestion).or(elsewhere).or(goal).or(by_place).or(quoted);
+            let data = data
+                .filter(|_| suggestion.is_none())
+                .map(|list| format!("if this list is data, quote it: `'{}`", self.program.sources.text_of(list)));
+            let help = foreign.or(unit).or(spelling).or(shape).or(suggestion).or(elsewhere).or(data).or(goal);
+            let help = help.or(by_place).or(quoted);
             self.error("unbound-name", span, format!("`{text}` is not defined anywhere"), "unknown name").help = help;
         }
     }
@@ -266,7 +280,7 @@ impl Compiler<'_> {
     }
 
     /// Whether a name stands for something that is called.
-    fn is_form(&self, name: Symbol) -> bool {
+    pub(super) fn is_form(&self, name: Symbol) -> bool {
         let text = self.symbols.name(name);
         self.program.macros.contains_key(&name)
             || special_names().any(|(special, _)| special == text)
@@ -341,11 +355,18 @@ impl Compiler<'_> {
         })
     }
 
+    /// Whether what a definition takes cannot be read off it: its list of parameters has an error.
+    fn is_list_faulty(&self, definition: Span) -> bool {
+        let is_within = |span: Span| lies_in(span, definition);
+        let is_told = self.diagnostics.iter().any(|told| told.code == "parameter-list" && is_within(told.span));
+        is_told || self.has_hole(definition)
+    }
+
     pub(super) fn check_calls(&mut self) {
         for (global, count, span) in std::mem::take(&mut self.calls) {
             let GlobalKind::Function(code) = self.program.globals[global as usize].kind else { continue };
             let Some(code) = self.program.codes.get(code as usize) else { continue };
-            if !code.parameters.accepts(count) {
+            if !code.parameters.accepts(count) && !self.is_list_faulty(code.span) {
                 let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
                 let expected = code.parameters.describe();
                 let definition = code.span;

@@ -364,6 +364,7 @@ impl Native {
         let (kinds, rest) = self.kinds();
         NativeSignature {
             name: self.name.to_string(),
+            parameters: self.parameters.to_string(),
             min,
             max,
             effect: self.effect.acts(),

@@ -402,6 +402,7 @@ impl Compiler<'_> {
                 let before = self.tree.nodes.len();
                 let (forms, diagnostics) = read(&text, source, self.symbols, &mut self.tree);
                 self.diagnostics.extend(diagnostics);
+                self.note_holes(before);
                 let parts = self.tree.nodes.len() - before;
                 if self.loaded.insert(name.clone()) {
                     self.expansion.has_read(parts);

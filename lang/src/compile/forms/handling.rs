@@ -81,6 +81,8 @@ impl Compiler<'_> {
             return None;
         }
         let class_nodes = match self.tree.proper_list(items[0]) {
+            // A form where the class is missing: what stands in it is no class either.
+            Some(&[form, ..]) if self.tree.symbol(form).is_some_and(|name| self.is_form(name)) => vec![form],
             Some(list) => list.to_vec(),
             None => vec![items[0]],
         };
