@@ -37,7 +37,14 @@ pub struct StartError {
 }
 
 fn told(last_words: &str) -> String {
-    if last_words.is_empty() { String::new() } else { format!("; the last it wrote to standard error:\n{last_words}") }
+    if last_words.is_empty() {
+        return String::new();
+    }
+    let is_missing = |name: &&str| last_words.contains(&format!("No module named '{name}'"));
+    let hint = ["rpl_module", "rpl_host"].into_iter().find(is_missing).map(|name| {
+        format!("\n`{name}` is installed by `pip install ./python`; or `PYTHONPATH` names the folder `python`")
+    });
+    format!("; the last it wrote to standard error:\n{last_words}{}", hint.unwrap_or_default())
 }
 
 /// A module that runs and has been greeted.
@@ -288,5 +295,20 @@ impl Live<ModuleWords, ModuleAnswer> for ModuleProcess {
 impl Drop for ModuleProcess {
     fn drop(&mut self) {
         self.part();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_the_package_for_python_is_missing_its_installation_is_told() {
+        let missing = told("Traceback\nModuleNotFoundError: No module named 'rpl_module'");
+        assert!(missing.ends_with(
+            "`rpl_module` is installed by `pip install ./python`; or `PYTHONPATH` names the folder `python`"
+        ));
+        assert!(!told("ModuleNotFoundError: No module named 'numpy'").contains("pip install"));
+        assert_eq!(told(""), "");
     }
 }

@@ -142,6 +142,9 @@ pub fn with_suggestion(mut error: clap::Error) -> clap::Error {
         error.remove(ContextKind::Suggested);
         if let Some(meant) = option_meant(&error) {
             error.insert(ContextKind::SuggestedArg, ContextValue::String(meant.to_string()));
+        } else if let Some(advice) = option_of_another(&error) {
+            error.remove(ContextKind::SuggestedArg);
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![advice.into()]));
         }
         return error;
     }
@@ -182,15 +185,45 @@ const FOREIGN_OPTIONS: &[(&[&str], &str)] = &[
     (&["--random-seed", "--rng"], "--seed"),
 ];
 
+/// What an unknown option is called here, if other programs have it.
+fn foreign_option(typed: &str) -> Option<&'static str> {
+    FOREIGN_OPTIONS.iter().find(|(names, _)| names.contains(&typed)).map(|&(_, meant)| meant)
+}
+
+/// The subcommand that an error is about.
+fn command_of(error: &clap::Error, commands: &clap::Command) -> Option<clap::Command> {
+    let usage = error.get(ContextKind::Usage)?.to_string();
+    let command = usage.split_whitespace().skip_while(|&word| word != "rpl").nth(1)?;
+    commands.find_subcommand(command).cloned()
+}
+
+fn has_option(command: &clap::Command, option: &str) -> bool {
+    command.get_arguments().any(|argument| argument.get_long() == option.strip_prefix("--"))
+}
+
+/// The commands that an option is looked for in, the usual ones first.
+const COMMON_COMMANDS: &[&str] = &["run", "experiment", "test", "check", "trace", "repl", "resume", "replay"];
+
 /// The option that was probably meant by one that other programs have, if the command has it.
 fn option_meant(error: &clap::Error) -> Option<&'static str> {
+    let meant = foreign_option(&error.get(ContextKind::InvalidArg)?.to_string())?;
+    let command = command_of(error, &CommandLine::command())?;
+    has_option(&command, meant).then_some(meant)
+}
+
+/// Advice on an option that only other subcommands have.
+fn option_of_another(error: &clap::Error) -> Option<String> {
     let typed = error.get(ContextKind::InvalidArg)?.to_string();
-    let usage = error.get(ContextKind::Usage)?.to_string();
-    let (_, meant) = FOREIGN_OPTIONS.iter().find(|(names, _)| names.contains(&typed.as_str()))?;
-    let command = usage.split_whitespace().skip_while(|&word| word != "rpl").nth(1)?;
+    let typed = typed.split(['=', ' ']).next()?;
     let commands = CommandLine::command();
-    let command = commands.find_subcommand(command)?;
-    command.get_arguments().any(|argument| argument.get_long() == meant.strip_prefix("--")).then_some(meant)
+    let command = command_of(error, &commands)?;
+    let option = foreign_option(typed).unwrap_or(typed);
+    if command.get_name() == "test" && option == "--scenario" {
+        return Some("a test names its scenario itself: `(deftest NAME :scenario \"FILE\" FORM...)`".into());
+    }
+    let has = |name: &&str| commands.find_subcommand(name).is_some_and(|other| has_option(other, option));
+    let other = COMMON_COMMANDS.iter().copied().filter(|name| *name != command.get_name()).find(has)?;
+    Some(format!("`rpl {other}` has `{option}`"))
 }
 
 #[cfg(test)]
@@ -211,6 +244,10 @@ mod tests {
         assert!(told(&["rpl", "run", "p.rpl", "--output", "x"]).contains("'--trace'"));
         assert!(!told(&["rpl", "fmt", "p.rpl", "--time", "60"]).contains("--until"), "`rpl fmt` has no time");
         assert!(told(&["rpl", "run", "p.rpl", "--gui"]).contains("'--live'"), "`--grid` is only near");
+        let seeds = told(&["rpl", "run", "p.rpl", "--seeds", "5"]);
+        assert!(seeds.contains("`rpl experiment` has `--runs`") && !seeds.contains("'--seed'"), "{seeds}");
+        let scenario = told(&["rpl", "test", "p.rpl", "--scenario", "s.rpl"]);
+        assert!(scenario.contains("(deftest NAME :scenario \"FILE\""), "{scenario}");
         assert!(told(&["rpl", "run", "p.rpl", "--wrld", "dept"]).contains("'--world'"));
     }
 

@@ -103,6 +103,31 @@ fn test_reports_as_json() {
 }
 
 #[test]
+fn a_scenario_that_has_failed_is_told_beside_what_the_test_found() {
+    let folder = folder("test-scenario-failed");
+    let scenario = put(&folder, "full.rpl", "(set-battery! 25)");
+    let text = format!(
+        "(deftest charged :world \"test-room\" :scenario {scenario:?} (wait-time 1) (assert (= 1 2)))\n\
+         (deftest endless :world \"test-room\" :scenario {scenario:?} :until 2 (wait-for (> (value battery*) 2)))"
+    );
+    let found = run(&["test", &put(&folder, "tests.rpl", text)]);
+    let shown = &found.out;
+    assert_eq!(shown.matches("the scenario failed").count(), 2, "{shown}");
+    assert!(shown.contains("this should be true: (= 1 2)") && shown.contains("it had not ended after 2 s"), "{shown}");
+    assert_eq!(found.status, 1);
+}
+
+#[test]
+fn the_name_of_a_test_among_the_files_is_no_plan() {
+    let folder = folder("test-by-name");
+    let tests = put(&folder, "tests.rpl", "(deftest arrives (wait-time 1))\n(deftest stays (wait-time 1))");
+    let found = run(&["test", &tests, "stays"]);
+    assert_eq!((found.status, found.out.as_str()), (2, ""));
+    assert!(found.errors.contains("`stays` is a test of"), "{}", found.errors);
+    assert!(found.errors.contains(&format!("write `rpl test {tests} --filter stays`")), "{}", found.errors);
+}
+
+#[test]
 fn a_test_that_cannot_be_set_up_has_failed_and_the_others_run() {
     let folder = folder("test-set-up");
     let broken = put(&folder, "broken.toml", "this is no world");

@@ -146,6 +146,8 @@ fn an_experiment_file_has_variants_with_plans_of_their_own() {
     for (wrong, told) in [
         (format!("plan = \"slow.rpl\"\n{many}"), "there are 100000 variants"),
         (text.replace("runs", "rums"), "there is no key `rums`"),
+        (format!("vary = {{ pause = [1, 2] }}\n{text}"), "each value is a variant: `[[variant]]`"),
+        (format!("seeds = 5\n{text}"), "`runs = 20` makes 20 runs"),
         (text.replace("1min", "soon"), "until = \"soon\": a time such as 90s"),
         (text.replace("\"fast\"\nplan", "\"slow\"\nplan"), "two variants are called `slow`"),
         (text.replace("pause", "pauze"), "the plan has no variable `pauze` to set; did you mean `pause`?"),

@@ -20,6 +20,27 @@ const MOST_RADIANS: f64 = std::f64::consts::TAU + 1e-4;
 /// No coordinate, length or speed is larger: 100 km.
 const LARGEST_NUMBER: f64 = 1e5;
 
+/// Keys that other tables have, or that are called otherwise, by the kind of file: what is to be written.
+const ELSEWHERE: &[(&str, &[&str], &str)] = &[
+    (
+        "world",
+        &["charger", "chargers", "dock", "docks", "charging_station", "charges"],
+        "the robot charges at a place: `charges = true` in a [[place]]",
+    ),
+    ("world", &["robot", "robots"], "where the robot begins is said by `start` above the first table"),
+    (
+        "world",
+        &["pedestrian", "pedestrians", "human", "humans", "agent"],
+        "who walks is a [[person]], with `path` and `speed`",
+    ),
+    ("world", &["obstacle", "obstacles", "furniture", "box", "table"], "what stands in a room is an [[object]]"),
+    (
+        "world",
+        &["goal", "goals", "target", "targets", "location", "locations", "waypoint"],
+        "where plans drive to is a [[place]], with `name`, `pose` and `room`",
+    ),
+];
+
 /// A value of the file, and where it stands.
 pub type TomlValue<'i> = Spanned<DeValue<'i>>;
 
@@ -116,7 +137,14 @@ impl<'i> Reader<'i> {
                 None => format!("unknown key `{name}`"),
             };
             let owner = self.owner(table, "a");
+            let elsewhere = ELSEWHERE.iter().find(|(kind, names, _)| *kind == self.kind && names.contains(&name));
             let help = match self.keys_above.contains(&name) {
+                _ if elsewhere.is_some_and(|(_, _, advice)| {
+                    !advice.contains(table.header.as_str()) || table.header.is_empty()
+                }) =>
+                {
+                    elsewhere.map_or_else(String::new, |(_, _, advice)| advice.to_string())
+                }
                 true => format!("`{name}` belongs to the {} as a whole: write it above the first table", self.kind),
                 false => format!("the keys of {owner} are {}", known.join(", ")),
             };

@@ -24,6 +24,37 @@ pub fn read<T: DeserializeOwned>(file: &Path, kind: &str) -> Result<T> {
     })
 }
 
+/// Keys that only other files, tables and the command line have, the kinds of file they are missing in, and advice.
+const ELSEWHERE: &[(&[&str], &[&str], &str)] = &[
+    (
+        &["until", "timeout", "duration", "limit", "time"],
+        &["project files"],
+        "`rpl run --until 10min` ends a run, and an experiment file has the key `until`",
+    ),
+    (
+        &["vary", "sweep", "grid", "params", "parameters"],
+        &["experiment files", "project files"],
+        "in an experiment file each value is a variant: `[[variant]]` with `name` and `set = { most = 6 }`; or `rpl experiment PLAN --vary most=6,20`",
+    ),
+    (
+        &["variant", "variants"],
+        &["project files"],
+        "variants stand in an experiment file, which `rpl experiment FILE.toml` runs",
+    ),
+    (
+        &["seeds", "repeat", "trials", "count"],
+        &["experiment files", "project files"],
+        "`runs = 20` makes 20 runs, and `seed = 1` is the seed of the first",
+    ),
+    (
+        &["main", "entry", "file", "mission"],
+        &["experiment files", "project files"],
+        "the file that is run is named by `plan`",
+    ),
+    (&["tests", "test"], &["project files"], "tests need no key: `rpl test` finds them in all plans of the folder"),
+    (&["variants"], &["experiment files"], "each variant is a table of its own: write `[[variant]]` above its keys"),
+];
+
 /// The words of the reader about types and keys, in those of people who write such files.
 fn in_plain_words(message: &str, kind: &str) -> (String, String) {
     const TYPES: &[(&str, &str)] = &[
@@ -43,9 +74,11 @@ fn in_plain_words(message: &str, kind: &str) -> (String, String) {
     }
     if let Some((unknown, known)) = message.strip_prefix("unknown field `").and_then(|rest| rest.split_once('`')) {
         let names: Vec<&str> = known.split('`').skip(1).step_by(2).collect();
-        let help = match suggest(unknown, names.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the keys here are {}", names.join(", ")),
+        let elsewhere = ELSEWHERE.iter().find(|(keys, kinds, _)| keys.contains(&unknown) && kinds.contains(&kind));
+        let help = match (elsewhere, suggest(unknown, names.iter().copied())) {
+            (Some((_, _, advice)), _) => advice.to_string(),
+            (None, Some(near)) => format!("did you mean `{near}`?"),
+            (None, None) => format!("the keys here are {}", names.join(", ")),
         };
         return (format!("there is no key `{unknown}`"), help);
     }

@@ -119,6 +119,7 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         report: TestReport::default(),
     };
     let texts: Vec<_> = files.iter().map(read).collect();
+    refuse_tests_as_files(&files, &arguments.files, &texts)?;
     let roles = Roles::of(project.as_ref(), texts.iter().flatten());
     // Scenarios and the plans of modules have no tests, and cannot be read as plans.
     let is_plan = |(_, text): &(_, Result<PlanText, String>)| {
@@ -170,6 +171,29 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
         (false, 0) => Status::Succeeded,
         (false, _) => Status::Failed,
     })
+}
+
+/// Tells a name among the files that is the name of a test in one of them.
+fn refuse_tests_as_files(
+    files: &[Result<String, String>],
+    named: &[String],
+    texts: &[Result<PlanText, String>],
+) -> Result<()> {
+    let missing = files.iter().zip(texts).filter(|(_, text)| text.is_err()).filter_map(|(file, _)| file.as_ref().ok());
+    for name in missing {
+        let mut known = texts.iter().flatten();
+        let defines = |text: &str| {
+            let behind = text.split("(deftest").skip(1).map(str::trim_start);
+            let words = behind.map(|rest| rest.split(|c: char| c.is_whitespace() || c == ')').next());
+            words.into_iter().any(|word| word == Some(name.as_str()))
+        };
+        if let Some(plan) = known.find(|plan| defines(&plan.text)) {
+            let others: Vec<&str> = named.iter().map(String::as_str).filter(|other| other != name).collect();
+            let others = if others.is_empty() { plan.name.clone() } else { others.join(" ") };
+            bail!("`{name}` is a test of `{}`, and no file: write `rpl test {others} --filter {name}`", plan.name);
+        }
+    }
+    Ok(())
 }
 
 /// Seconds since then.
@@ -362,21 +386,30 @@ impl TestSession<'_> {
         until_us: u64,
     ) -> (&'static str, Option<FailureRecord>, String) {
         let colour = self.colour;
+        let of_scenario = system.outside.failed_scenario().map(|(scenario, failure)| {
+            let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour };
+            (reporter.record(failure), reporter.text(SCENARIO_FAILED, failure).trim_end().to_string())
+        });
+        // What a test finds wrong is often what comes of a scenario that has failed before.
+        let with_scenario = |reason: String| match &of_scenario {
+            Some((_, text)) => format!("{text}\n{reason}"),
+            None => reason,
+        };
         match ending {
-            RunEnd::Outcome(Outcome::Succeeded(_)) => match system.outside.failed_scenario() {
+            RunEnd::Outcome(Outcome::Succeeded(_)) => match of_scenario {
                 None => ("succeeded", None, String::new()),
-                Some((scenario, failure)) => {
-                    let reporter = Reporter { machine: &scenario.machine, program: &scenario.program, colour };
-                    let text = reporter.text(SCENARIO_FAILED, failure);
-                    ("failed", reporter.record(failure), text.trim_end().to_string())
-                }
+                Some((record, text)) => ("failed", record, text),
             },
             RunEnd::Outcome(Outcome::Failed(failure)) => {
                 let reporter = Reporter { machine: &system.machine, program: &system.program, colour };
-                ("failed", reporter.record(failure), reporter.text("", failure).trim_end().to_string())
+                let reason = reporter.text("", failure).trim_end().to_string();
+                ("failed", reporter.record(failure), with_scenario(reason))
             }
             RunEnd::Outcome(Outcome::Evaporated) => ("failed", None, "it was evaporated".to_string()),
-            RunEnd::TimeUp => ("timeout", None, format!("it had not ended after {} s", until_us as f64 / 1e6)),
+            RunEnd::TimeUp => {
+                let reason = format!("it had not ended after {} s", until_us as f64 / 1e6);
+                ("timeout", None, with_scenario(reason))
+            }
             RunEnd::Interrupted | RunEnd::GivenUp => ("interrupted", None, String::new()),
         }
     }

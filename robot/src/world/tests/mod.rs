@@ -39,6 +39,15 @@ fn angles_are_degrees_in_quotes_or_radians() {
 }
 
 #[test]
+fn what_other_tables_have_is_told_with_its_table() {
+    let charger = World::parse(&format!("{SMALL}[[charger]]\nat = [1.0, 1.0]\n"), "w.toml").expect_err("no such table");
+    assert!(charger.to_string().contains("`charges = true` in a [[place]]"), "{charger}");
+    let room = "[[room]]\nname = \"A\"\nrect = [0, 0, 2, 2]\ncharges = true\n";
+    let found = World::parse(&format!("{SMALL}{room}"), "w.toml").expect_err("a room does not charge").to_string();
+    assert!(found.contains("`charges = true` in a [[place]]"), "{found}");
+}
+
+#[test]
 fn a_misspelt_key_is_shown_in_its_line() {
     let text = format!(
         "{SMALL}[[wall]]\nline = [[0, 2], [4, 2]]\n[[room]]\nname = \"B\"\nrect = [0, 2, 4, 3]\n\
