@@ -136,8 +136,9 @@ impl PreparedRun {
     fn tell_left_deviations(&self, console: &mut Console) {
         let left = self.system.machine.schedule.as_ref().map_or(0, |schedule| schedule.left().count());
         if left > 0 {
+            let choices = if left == 1 { "choice" } else { "choices" };
             console.note(&format!(
-                "warning: {left} choices of the schedule did not come to pass; it is of another plan, seed or time limit"
+                "warning: {left} {choices} of the schedule did not come; it is of another plan, seed or time limit"
             ));
         }
     }

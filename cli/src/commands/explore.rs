@@ -70,7 +70,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let plan = plans::plan(&arguments.file)?;
     let library = libraries::library_without_robot(Vec::new())?;
-    let Some(mut loaded) = load(&library, plan, &arguments.set, console)? else { return Ok(Status::Wrong) };
+    let Some(mut loaded) = load(&library, plan, &arguments.set, console)? else {
+        console.note("plans are explored without a robot: `rpl explore` knows no names of robots and scenarios");
+        return Ok(Status::Wrong);
+    };
     if let Some(name) = &arguments.test {
         let test = loaded.tests.iter().find(|test| *test.name == **name);
         let Some(test) = test else {

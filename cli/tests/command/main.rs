@@ -14,6 +14,7 @@ mod editors;
 mod errands;
 mod eval;
 mod experiment;
+mod explore;
 mod figures;
 mod fmt;
 mod folder;

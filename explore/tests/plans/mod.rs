@@ -17,6 +17,9 @@ static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| {
     Arc::new(library.unwrap_or_else(|why| panic!("{}", why.render(false))))
 });
 
+/// Steps of an instant: a program that goes round without waiting is soon a runaway.
+const MAX_STEPS: u32 = 10_000;
+
 /// All orders.
 pub const BOUNDS: Bounds =
     Bounds { deviations: u32::MAX, states: 100_000, until_us: 3_600_000_000, deterministic: false };
@@ -26,7 +29,9 @@ pub fn started(text: &str, traced: bool) -> (System<NoRobot>, SourceId) {
     let (library, loaded) = loaded(text);
     let own = loaded.program.codes[loaded.main as usize].span.source;
     let start = if traced { System::traced } else { System::new };
-    (start(library, loaded, NoRobot, 1), own)
+    let mut system = start(library, loaded, NoRobot, 1);
+    system.machine.limits.steps = MAX_STEPS;
+    (system, own)
 }
 
 pub fn loaded(text: &str) -> (Arc<Library>, Loaded) {
