@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 /// Compiled once.
 static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| {
     let natives = [rpl_runtime::step::natives::natives(), rpl_stdlib::natives()].concat();
-    let library = Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], &RobotTables::EMPTY);
+    let library = Library::new(natives, &[("prelude", rpl_stdlib::PRELUDE)], RobotTables::EMPTY);
     Arc::new(library.unwrap_or_else(|why| panic!("{}", why.render(false))))
 });
 

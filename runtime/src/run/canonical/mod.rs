@@ -197,8 +197,8 @@ impl Writer<'_> {
         values.iter().for_each(|&value| self.value(value));
     }
 
-    /// How long from now on; what is past is now.
-    fn from_now(&mut self, time_us: u64) {
+    /// How long it is until a time; what is past is now.
+    fn time_left(&mut self, time_us: u64) {
         self.number(time_us.saturating_sub(self.machine.now_us));
     }
 
@@ -215,7 +215,7 @@ impl Writer<'_> {
         self.number(wakes.len() as u64);
         for (deadline_us, is_request) in wakes {
             self.byte(u8::from(is_request));
-            self.from_now(deadline_us);
+            self.time_left(deadline_us);
         }
     }
 

@@ -196,7 +196,7 @@ impl Writer<'_> {
             self.timers.values().flatten().find(|timer| children.timer != 0 && timer.number == children.timer).copied();
         self.byte(u8::from(deadline.is_some()));
         if let Some(timer) = deadline {
-            self.from_now(timer.deadline_us);
+            self.time_left(timer.deadline_us);
         }
     }
 
@@ -205,7 +205,7 @@ impl Writer<'_> {
             None => self.byte(0),
             Some(ActiveTime::Due(due_us)) => {
                 self.byte(1);
-                self.from_now(due_us);
+                self.time_left(due_us);
             }
             Some(ActiveTime::Left(left_us)) => {
                 self.byte(2);

@@ -24,7 +24,7 @@ impl Visible {
     /// What the forms of a text, and all that they can come to call, can see. Cost: linear in the code.
     pub fn by(loaded: &Loaded, library: &Library) -> Self {
         Reach { program: &loaded.program, natives: &library.natives, codes: BTreeSet::new(), visible: Self::default() }
-            .from(loaded.main)
+            .follow(loaded.main)
     }
 }
 
@@ -37,7 +37,7 @@ struct Reach<'p> {
 }
 
 impl Reach<'_> {
-    fn from(mut self, main: u32) -> Visible {
+    fn follow(mut self, main: u32) -> Visible {
         let mut waiting = vec![main];
         while let Some(number) = waiting.pop() {
             if self.codes.insert(number) {
