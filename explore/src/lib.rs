@@ -1,4 +1,4 @@
-//! Runs tried in every order that the language does not promise.
+//! Runs tried in every order of what is ready at the same time.
 //!
 //! A run is a value, and what it chooses is a list of deviations from the usual order
 //! ([`rpl_runtime::state::schedule`]). The search ([`search`]) goes by their number, so that the first finding

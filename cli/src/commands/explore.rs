@@ -1,4 +1,4 @@
-//! `rpl explore FILE`: a plan in every order that the language does not promise.
+//! `rpl explore FILE`: a plan in every order of the tasks that are ready at the same time.
 
 use crate::commands::run::load;
 use anyhow::{Context, Result, bail};
@@ -27,7 +27,7 @@ use rpl_shell::terminal::console::Console;
 use std::ops::ControlFlow::{Break, Continue};
 use std::path::PathBuf;
 
-/// Run a plan without a robot in every order that the language does not promise
+/// Run a plan without a robot in every order of the tasks that are ready at the same time
 #[derive(clap::Args, Clone, Debug)]
 #[command(
     after_help = "Exit status: 0 nothing is wrong in any order, 1 something is, 2 the text or the command line is \

@@ -242,7 +242,8 @@ mod tests {
     fn options_of_other_programs_are_told_by_what_they_are_called_here() {
         assert!(told(&["rpl", "run", "p.rpl", "--world", "dept", "--time", "60"]).contains("'--until'"));
         assert!(told(&["rpl", "run", "p.rpl", "--output", "x"]).contains("'--trace'"));
-        assert!(!told(&["rpl", "fmt", "p.rpl", "--time", "60"]).contains("--until"), "`rpl fmt` has no time");
+        let fmt = told(&["rpl", "fmt", "p.rpl", "--time", "60"]);
+        assert!(!fmt.contains("'--until'") && fmt.contains("`rpl run` has `--until`"), "{fmt}");
         assert!(told(&["rpl", "run", "p.rpl", "--gui"]).contains("'--live'"), "`--grid` is only near");
         let seeds = told(&["rpl", "run", "p.rpl", "--seeds", "5"]);
         assert!(seeds.contains("`rpl experiment` has `--runs`") && !seeds.contains("'--seed'"), "{seeds}");

@@ -65,7 +65,7 @@ pub struct Arguments {
     /// Limit of the steps of all tasks in one instant; beyond it the plan fails as a runaway
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_steps: Option<u32>,
-    /// Take the order of this file, which `rpl explore` has written, where the language promises none
+    /// Run the tasks that are ready at the same time in the order of this file, which `rpl explore` has written
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub schedule: Option<PathBuf>,
     /// Case memory of the robot: read at the start if the file exists, written at the end

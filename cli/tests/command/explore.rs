@@ -50,9 +50,11 @@ fn what_cannot_be_explored_is_said() {
     put(&folder, "robot.rpl", "(go-to 'a-desk)");
     let found = run_in(&folder, &["explore", "robot.rpl"]);
     assert!(found.errors.contains("explored without a robot") && found.status == 2, "{found:?}");
-    put(&folder, "tests.rpl", "(deftest home :world \"flat\" (go-to 'a))\n(deftest sum (assert (= 2 2)))");
+    put(&folder, "tests.rpl", "(deftest home :world \"flat\" (assert t))\n(deftest sum (assert (= 2 2)))");
     let found = run_in(&folder, &["explore", "tests.rpl", "--test", "sum"]);
     assert_eq!(found.status, 0, "{found:?}");
+    let found = run_in(&folder, &["explore", "tests.rpl", "--test", "home"]);
+    assert!(found.errors.contains("is in a world") && found.status == 2, "{found:?}");
     let found = run_in(&folder, &["explore", "tests.rpl", "--test", "some"]);
     assert!(found.errors.contains("`home`, `sum`") && found.status == 2, "{found:?}");
     put(&folder, "no.schedule", "choice 1 takes 1\n");

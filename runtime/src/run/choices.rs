@@ -1,4 +1,4 @@
-//! Where the language promises no order: what a run can do next, for those who try more than the first.
+//! What a run can do next, for those who try more than what the language takes first.
 
 use crate::robot::Outside;
 use crate::run::canonical::Visible;

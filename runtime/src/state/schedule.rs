@@ -1,7 +1,7 @@
-//! Orders that the language does not promise, and those that it does.
+//! Other orders of what is ready at the same time.
 //!
 //! A run takes the first of several ready tasks, and the first of several timeouts of one instant. Under a
-//! schedule it counts these choices, and takes others where the schedule says so. What the language promises is no
+//! schedule it counts these choices, and takes others where the schedule says so. What follows from a plan is no
 //! choice: a task that was pre-empted goes on before the others of its priority, and one that has given way comes
 //! behind those that were ready then.
 

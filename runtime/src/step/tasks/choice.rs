@@ -1,4 +1,4 @@
-//! What a run under a schedule takes where the language promises no order.
+//! What a run under a schedule takes of what is ready at the same time.
 
 use crate::state::machine::Machine;
 use crate::state::timers::Timer;
