@@ -29,7 +29,7 @@ pub enum Fault {
 pub struct Finding {
     /// What is wrong.
     pub fault: Fault,
-    /// In the order of their choices; none if it is so in the usual order.
+    /// In the order of their turns; none if it is so in the usual order.
     pub deviations: Vec<Deviation>,
     /// When it shows, in the plan's time.
     pub time_us: u64,

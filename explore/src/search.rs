@@ -69,9 +69,12 @@ struct Run<O> {
 /// A run's state is looked at where it has a choice or goes to another instant, and after so many turns of one task.
 const MAX_TURNS: u32 = 64;
 
-/// Runs that are laid aside whole, at most: those beyond are made again from the start when their turn comes, so
-/// that the memory a search takes is bounded.
-const MAX_KEPT: usize = 4_096;
+/// Bytes of runs that are laid aside whole, at most: those beyond are made again from the start when their turn comes,
+/// so that the memory a search takes is bounded.
+const MAX_KEPT_BYTES: usize = 256 << 20;
+
+/// Bytes of a small run: its program's names and tables.
+const SMALL_RUN_BYTES: usize = 32 << 10;
 
 /// A run that is laid aside for the next level.
 enum Aside<O> {
@@ -85,7 +88,7 @@ struct Search<'s, O> {
     bounds: Bounds,
     seen: BTreeSet<StateHash>,
     next: Vec<Aside<O>>,
-    kept: usize,
+    kept_bytes: usize,
     usual: Option<String>,
     searched: Searched,
 }
@@ -99,12 +102,20 @@ pub fn explore<O: Outside + Clone>(
     mut look: impl FnMut(&Searched) -> ControlFlow<()>,
 ) -> Searched {
     let searched = Searched { finding: None, left: Vec::new(), states: 0, transitions: 0, ends: 0, deviations: 0 };
-    let mut search =
-        Search { start, visible, bounds, seen: BTreeSet::new(), next: Vec::new(), kept: 0, usual: None, searched };
+    let mut search = Search {
+        start,
+        visible,
+        bounds,
+        seen: BTreeSet::new(),
+        next: Vec::new(),
+        kept_bytes: 0,
+        usual: None,
+        searched,
+    };
     search.next.push(Aside::Again(Vec::new()));
     for level in 0.. {
         let runs = std::mem::take(&mut search.next);
-        search.kept = 0;
+        search.kept_bytes = 0;
         if runs.is_empty() {
             break;
         }
@@ -202,13 +213,18 @@ impl<O: Outside + Clone> Search<'_, O> {
     }
 
     fn lay_aside(&mut self, run: &Run<O>, taken: u32) {
-        let choice = run.system.machine.schedule.as_ref().map_or(0, |schedule| schedule.choices());
+        if self.next.len() as u64 >= self.bounds.states {
+            return self.leave(Left::States);
+        }
+        let turn = run.system.machine.schedule.as_ref().map_or(0, |schedule| schedule.turns());
         let mut deviations = run.deviations.clone();
-        deviations.push(Deviation { choice, taken });
-        if self.kept >= MAX_KEPT {
+        deviations.push(Deviation { turn, taken });
+        let machine = &run.system.machine;
+        let bytes = SMALL_RUN_BYTES + machine.tasks.bytes() + machine.heap.live + machine.heap.allocated;
+        if self.kept_bytes + bytes > MAX_KEPT_BYTES {
             return self.next.push(Aside::Again(deviations));
         }
-        self.kept += 1;
+        self.kept_bytes += bytes;
         let mut run = Run { deviations, ..run.clone() };
         if let Some(schedule) = &mut run.system.machine.schedule {
             schedule.deviate(taken);

@@ -47,7 +47,7 @@ pub fn story<O: Outside>(mut system: System<O>, deviations: &[Deviation], own: S
     let mut story = Story::default();
     let deviation = |system: &System<O>| {
         let schedule = system.machine.schedule.as_deref()?;
-        schedule.left().next().filter(|next| next.choice == schedule.choices())
+        schedule.left().next().filter(|next| next.turn == schedule.turns())
     };
     while system.outcome().is_none() {
         let tasks = system.eligible_tasks();

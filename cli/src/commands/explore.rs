@@ -114,6 +114,9 @@ pub fn run(arguments: &Arguments, console: &mut Console) -> Result<Status> {
     let start = System::traced(library, loaded, NoRobot, arguments.seed);
     let story = story(start, &finding.deviations, own, finding.time_us);
     console.explain(&headline(finding))?;
+    if story.turns.is_empty() {
+        tell_events(&story.usual[story.usual.len().saturating_sub(EVENTS_TOLD)..], console)?;
+    }
     for turn in &story.turns {
         console.explain("")?;
         tell_turn(turn, &sources, console)?;
@@ -189,14 +192,18 @@ fn tell_turn(turn: &Turn, sources: &Sources, console: &mut Console) -> Result<()
             console.explain(&line)?;
         }
     }
-    let colour = console.out_colour();
     let (first, last) = told(&turn.events);
-    first.iter().try_for_each(|event| console.explain(&event_line(event, colour)))?;
+    tell_events(first, console)?;
     let passed_over = turn.events.len() - first.len() - last.len();
     if passed_over > 0 {
         console.explain(&format!("{:>10}  {passed_over} events", "…"))?;
     }
-    last.iter().try_for_each(|event| console.explain(&event_line(event, colour))).context("standard output is closed")
+    tell_events(last, console)
+}
+
+fn tell_events(events: &[Event], console: &mut Console) -> Result<()> {
+    let colour = console.out_colour();
+    events.iter().try_for_each(|event| console.explain(&event_line(event, colour))).context("standard output is closed")
 }
 
 /// The first and the last of many events.

@@ -39,9 +39,23 @@ fn how_far_the_search_came_is_told_by_the_status_and_in_words() {
     put(&folder, "clock.rpl", "(loop (wait-time 1) (print (now)))");
     let found = run_in(&folder, &["explore", "clock.rpl", "--until", "20s"]);
     assert!(found.out.contains("what comes after 20 s (`--until`)") && found.status == 3, "{found:?}");
+    put(&folder, "wrong.rpl", "(seq (wait-time 1) (assert (= 1 2) \"no sum\"))");
+    let found = run_in(&folder, &["explore", "wrong.rpl"]);
+    assert!(found.out.starts_with("it fails in the usual order, at 1.000 s") && found.status == 1, "{found:?}");
+    assert!(found.out.contains("failed: plan-failure: no sum"), "its last events are told: {found:?}");
     put(&folder, "last.rpl", "(defvar last nil) (par (setq last 'a) (setq last 'b)) last");
     let found = run_in(&folder, &["explore", "last.rpl", "--deterministic"]);
     assert!(found.out.starts_with("it ends otherwise in another order: `a`, and usually `b`"), "{found:?}");
+}
+
+#[test]
+fn examples_without_a_robot_are_right_in_every_order() {
+    let folder = folder("explore-examples");
+    let examples = ["a-few-at-a-time", "evap-protect", "failure-handling", "first-steps", "fluents", "pick-and-place"];
+    for name in examples.into_iter().chain(["plan-as-data", "policy", "restaurant", "try-all", "valve"]) {
+        let found = run_in(&folder, &["explore", &format!("{name}.rpl")]);
+        assert_eq!(found.status, 0, "{name}: {found:?}");
+    }
 }
 
 #[test]
@@ -57,7 +71,7 @@ fn what_cannot_be_explored_is_said() {
     assert!(found.errors.contains("is in a world") && found.status == 2, "{found:?}");
     let found = run_in(&folder, &["explore", "tests.rpl", "--test", "some"]);
     assert!(found.errors.contains("`home`, `sum`") && found.status == 2, "{found:?}");
-    put(&folder, "no.schedule", "choice 1 takes 1\n");
+    put(&folder, "no.schedule", "turn 1 takes 1\n");
     let found = run_in(&folder, &["run", "tests.rpl", "--schedule", "no.schedule"]);
     assert!(found.errors.contains("`rpl explore` writes it") && found.status == 2, "{found:?}");
 }

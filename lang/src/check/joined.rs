@@ -36,7 +36,7 @@ fn joined(check: &Check<'_>, run: &[(Token, Span)]) -> Option<Diagnostic> {
         [(Token::Str, before), (Token::Str, text), (Token::Str, behind)]
             if written(*before) == "\"\"" && written(*behind) == "\"\"" && !written(*text).contains('\n') =>
         {
-            warning.help(format!("a text stands between single quotation marks: `{}`", written(*text)))
+            warning.help(format!("a text has one quotation mark on each side: `{}`", written(*text)))
         }
         _ => warning.help("a text stands between `\"` and `\"`; in a text a quotation mark is written `\\\"`"),
     })

@@ -355,18 +355,20 @@ impl Compiler<'_> {
         })
     }
 
-    /// Whether what a definition takes cannot be read off it: its list of parameters has an error.
-    fn is_list_faulty(&self, definition: Span) -> bool {
-        let is_within = |span: Span| lies_in(span, definition);
-        let is_told = self.diagnostics.iter().any(|told| told.code == "parameter-list" && is_within(told.span));
-        is_told || self.has_hole(definition)
-    }
-
     pub(super) fn check_calls(&mut self) {
+        // What a definition takes cannot be read off it if its list of parameters has an error.
+        let told = self.diagnostics.iter().filter(|told| told.code == "parameter-list");
+        let mut faulty_lists: Vec<Span> = told.map(|told| told.span).collect();
+        faulty_lists.sort();
+        let is_list_faulty = |definition: Span| {
+            let first =
+                faulty_lists.partition_point(|list| (list.source, list.start) < (definition.source, definition.start));
+            faulty_lists.get(first).is_some_and(|&list| lies_in(list, definition))
+        };
         for (global, count, span) in std::mem::take(&mut self.calls) {
             let GlobalKind::Function(code) = self.program.globals[global as usize].kind else { continue };
             let Some(code) = self.program.codes.get(code as usize) else { continue };
-            if !code.parameters.accepts(count) && !self.is_list_faulty(code.span) {
+            if !code.parameters.accepts(count) && !is_list_faulty(code.span) && !self.has_hole(code.span) {
                 let name = self.symbols.name(self.program.globals[global as usize].name).to_string();
                 let expected = code.parameters.describe();
                 let definition = code.span;

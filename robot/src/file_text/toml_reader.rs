@@ -27,17 +27,21 @@ const ELSEWHERE: &[(&str, &[&str], &str)] = &[
         &["charger", "chargers", "dock", "docks", "charging_station", "charges"],
         "the robot charges at a place: `charges = true` in a [[place]]",
     ),
-    ("world", &["robot", "robots"], "where the robot begins is said by `start` above the first table"),
+    ("world", &["robot", "robots"], "the robot begins at `start`, a key above the first table"),
     (
         "world",
         &["pedestrian", "pedestrians", "human", "humans", "agent"],
-        "who walks is a [[person]], with `path` and `speed`",
+        "people are [[person]] tables, with `path` and `speed`",
     ),
-    ("world", &["obstacle", "obstacles", "furniture", "box", "table"], "what stands in a room is an [[object]]"),
+    (
+        "world",
+        &["obstacle", "obstacles", "furniture", "box", "table"],
+        "things that stand in rooms are [[object]] tables",
+    ),
     (
         "world",
         &["goal", "goals", "target", "targets", "location", "locations", "waypoint"],
-        "where plans drive to is a [[place]], with `name`, `pose` and `room`",
+        "goals of plans are [[place]] tables, with `name`, `pose` and `room`",
     ),
 ];
 
@@ -137,16 +141,17 @@ impl<'i> Reader<'i> {
                 None => format!("unknown key `{name}`"),
             };
             let owner = self.owner(table, "a");
-            let elsewhere = ELSEWHERE.iter().find(|(kind, names, _)| *kind == self.kind && names.contains(&name));
-            let help = match self.keys_above.contains(&name) {
-                _ if elsewhere.is_some_and(|(_, _, advice)| {
-                    !advice.contains(table.header.as_str()) || table.header.is_empty()
-                }) =>
-                {
-                    elsewhere.map_or_else(String::new, |(_, _, advice)| advice.to_string())
+            // In the table that is advised the key is missing for another reason.
+            let is_advised = |advice: &str| !table.header.is_empty() && advice.contains(table.header.as_str());
+            let elsewhere = ELSEWHERE
+                .iter()
+                .find(|&&(kind, names, advice)| kind == self.kind && names.contains(&name) && !is_advised(advice));
+            let help = match elsewhere {
+                Some((_, _, advice)) => advice.to_string(),
+                None if self.keys_above.contains(&name) => {
+                    format!("`{name}` belongs to the {} as a whole: write it above the first table", self.kind)
                 }
-                true => format!("`{name}` belongs to the {} as a whole: write it above the first table", self.kind),
-                false => format!("the keys of {owner} are {}", known.join(", ")),
+                None => format!("the keys of {owner} are {}", known.join(", ")),
             };
             self.note(key.span(), name, message, help);
         }

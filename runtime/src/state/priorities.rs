@@ -316,11 +316,6 @@ impl Priorities {
         self.ready.last().map(|&priority| self.all[priority].line)
     }
 
-    /// The ready tasks of a priority.
-    pub fn line_of(&self, priority: u32) -> Line {
-        self.all[priority].line
-    }
-
     /// Whether a task more important than this priority is ready.
     #[inline]
     pub fn has_higher(&self, priority: u32) -> bool {

@@ -25,12 +25,6 @@ impl Writer<'_> {
                 self.byte(5);
                 return self.plain(&symbol);
             }
-            // A string never changes, and which of two equal ones it is makes no difference to a plan.
-            Value::Str(string) => {
-                self.byte(6);
-                let text = self.machine.heap.strings[string].text.clone();
-                return self.text(&text);
-            }
             Value::Function(code) => {
                 self.byte(7);
                 return self.number(u64::from(code));
@@ -48,6 +42,8 @@ impl Writer<'_> {
                 return self.number(u64::from(behaviour));
             }
             Value::Unbound => return self.byte(11),
+            // `eq` tells two equal strings apart.
+            Value::Str(string) => (6, Object::Str(string)),
             Value::Cons(pair) => (12, Object::Pair(pair)),
             Value::Cell(cell) => (13, Object::Cell(cell)),
             Value::Closure(closure) => (14, Object::Closure(closure)),
@@ -64,6 +60,10 @@ impl Writer<'_> {
     pub(super) fn heap_parts(&mut self, object: Object) {
         let heap = &self.machine.heap;
         match object {
+            Object::Str(string) => {
+                let text = heap.strings[string].text.clone();
+                self.text(&text);
+            }
             Object::Pair(pair) => {
                 let (car, cdr) = heap.pair(pair);
                 self.value(car);

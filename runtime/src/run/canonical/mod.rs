@@ -22,7 +22,7 @@ use crate::state::task::State;
 use crate::state::timers::{Alarm, Timer};
 use crate::state::value::{TaskRef, Value};
 use crate::step::time::timers::is_current;
-use foldhash::fast::FixedState;
+use foldhash::quality::FixedState;
 use hashbrown::HashMap;
 use rpl_lang::code::{GlobalKind, Program};
 use serde::Serialize;
@@ -32,8 +32,7 @@ use std::hash::BuildHasher;
 /// Two halves of the hash, from seeds of their own.
 const SEEDS: [u64; 2] = [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344];
 
-/// The hash of a canonical state: 128 bits, so that among 10⁹ states two that differ are taken for one with a
-/// probability below 10⁻¹⁹.
+/// The hash of a canonical state, 128 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct StateHash(pub [u64; 2]);
 
@@ -47,6 +46,7 @@ impl StateHash {
 /// What a value may name that has parts of its own.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Object {
+    Str(u32),
     Pair(u32),
     Cell(u32),
     Closure(u32),
@@ -119,24 +119,36 @@ impl Writer<'_> {
             self.number(machine.now_us);
         }
         self.valves();
-        self.promises();
         self.parts();
+        self.lines();
     }
 
-    /// Which ready tasks come before others, if a schedule keeps an eye on it.
-    fn promises(&mut self) {
-        let Some(schedule) = &self.machine.schedule else { return };
-        let (preempted, behind) = schedule.promises();
-        for task in preempted {
-            self.byte(1);
-            self.reference(task);
-        }
-        for (task, other) in behind {
-            self.byte(2);
-            self.reference(task);
-            self.reference(other);
+    /// What must stay of the order of ready tasks, if a schedule tries others: those that go on first, and those before
+    /// each that has given way. All tasks have their numbers by now.
+    fn lines(&mut self) {
+        let machine = self.machine;
+        let Some(schedule) = &machine.schedule else { return };
+        for line in machine.priorities.lines() {
+            let mut group = Vec::new();
+            for task in line.tasks(&machine.tasks) {
+                let task = machine.tasks.reference(task);
+                let has_given_way = schedule.has_given_way(task);
+                if has_given_way || schedule.is_preempted(task) {
+                    self.group(&mut group, 1 + u8::from(has_given_way));
+                    self.reference(task);
+                } else {
+                    group.push(self.numbers.get(&Object::Task(task.index, task.generation)).copied());
+                }
+            }
         }
         self.byte(0);
+    }
+
+    /// Tasks that may run in any order, and what follows them.
+    fn group(&mut self, group: &mut Vec<Option<u32>>, followed_by: u8) {
+        group.sort_unstable();
+        group.drain(..).for_each(|number| self.number(number.map_or(1, |number| u64::from(number) + 2)));
+        self.bytes.extend([0, followed_by]);
     }
 
     fn byte(&mut self, byte: u8) {

@@ -7,26 +7,26 @@ use crate::step::time::timers::is_current;
 
 impl Machine {
     /// The ready tasks that may run next, in the order in which they do by themselves: all of the highest priority
-    /// but those that a promise keeps back.
+    /// but those that must wait for others of it.
     pub(crate) fn eligible_tasks(&self) -> Vec<TaskRef> {
-        let ready = self.first_in_line();
+        let line = self.priorities.first_line().unwrap_or_default();
+        let ready = line.tasks(&self.tasks).into_iter().map(|task| self.tasks.reference(task)).collect();
         match &self.schedule {
-            Some(schedule) if ready.len() > 1 => schedule.eligible(&ready),
-            _ => ready,
+            Some(schedule) => schedule.eligible(ready),
+            None => ready,
         }
     }
 
-    fn first_in_line(&self) -> Vec<TaskRef> {
-        let line = self.priorities.first_line().unwrap_or_default();
-        line.tasks(&self.tasks).into_iter().map(|task| self.tasks.reference(task)).collect()
-    }
-
-    /// Takes the task out of the run queue that the schedule has run next. Cost: the tasks of its priority.
+    /// Takes the task out of the run queue that the schedule has run next. Cost: constant, but in a turn that deviates
+    /// the tasks of its priority.
     pub(crate) fn take_scheduled(&mut self) -> Option<u32> {
-        let eligible = self.eligible_tasks();
-        let schedule = self.schedule.as_mut()?;
-        let taken = if eligible.len() > 1 { schedule.choose(eligible.len()) } else { 0 };
-        let task = eligible.get(taken)?.index;
+        let first = self.priorities.first_line()?.first;
+        let taken = self.schedule.as_mut()?.begin_turn();
+        let other = if taken == 0 { None } else { self.eligible_tasks().get(taken as usize).copied() };
+        if other.is_some() {
+            self.schedule.as_mut()?.has_deviated();
+        }
+        let task = other.map_or(first, |other| other.index);
         self.unqueue(task);
         Some(task)
     }
@@ -41,18 +41,19 @@ impl Machine {
 
     /// Takes the timer out that the schedule has end next, where `first` does by itself.
     pub(crate) fn take_timeout(&mut self, first: Timer) -> Timer {
-        if self.schedule.is_none() {
-            self.timers.take();
-            return first;
+        let taken = self.schedule.as_mut().map_or(0, |schedule| schedule.begin_turn());
+        let other = if taken == 0 { None } else { self.timeouts_at(self.now_us).get(taken as usize).copied() };
+        match (other, &mut self.schedule) {
+            (Some(timer), Some(schedule)) => {
+                schedule.has_deviated();
+                self.timers.remove(timer.number);
+                timer
+            }
+            _ => {
+                self.timers.take();
+                first
+            }
         }
-        let due = self.timeouts_at(self.now_us);
-        let taken = match &mut self.schedule {
-            Some(schedule) if due.len() > 1 => schedule.choose(due.len()),
-            _ => 0,
-        };
-        let timer = due.get(taken).copied().unwrap_or(first);
-        self.timers.remove(timer.number);
-        timer
     }
 
     pub(crate) fn note_preempted(&mut self, task: u32) {
@@ -62,17 +63,10 @@ impl Machine {
         }
     }
 
-    /// Notes that a task, which is not ready yet, comes behind those of its priority that are.
     pub(crate) fn note_given_way(&mut self, task: u32) {
-        if self.schedule.is_none() {
-            return;
-        }
-        let priority = self.effective_priority(task);
-        let ready = self.priorities.line_of(priority).tasks(&self.tasks);
-        let ready = ready.into_iter().map(|other| self.tasks.reference(other)).collect();
         let reference = self.tasks.reference(task);
         if let Some(schedule) = &mut self.schedule {
-            schedule.give_way(reference, ready);
+            schedule.give_way(reference);
         }
     }
 
